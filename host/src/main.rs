@@ -1,0 +1,2 @@
+//! The `sutura` program.
+fn main() {}
