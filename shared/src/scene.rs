@@ -1,0 +1,432 @@
+//! The scene as the controller takes it: SI units in every name, frames as `patch_from_…`.
+//!
+//! The host makes it from TOML and meshes; `sutura-controller` turns it into coefficients in one fallible build.
+//! On the wire a scene is `postcard(Scene)` followed by one byte a cell (see [`Lattice::cells`]).
+
+use heapless::Vec;
+use serde::{Deserialize, Serialize};
+
+/// Most tissues in one scene (fixed ones count).
+pub const TISSUES_MAX: usize = 4;
+/// Most segments of a stress–strain curve.
+pub const SEGMENTS_MAX: usize = 5;
+/// Most steps of a hand's script.
+pub const STEPS_MAX: usize = 48;
+
+/// Everything the controller needs, apart from the cells.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Scene {
+    /// What is simulated; see [`Effect`].
+    pub effects: Effects,
+    /// How the tissue is advanced.
+    pub solver: Solver,
+    /// The voxel lattice.
+    pub lattice: Lattice,
+    /// Tissue `i` is cell byte `i + 1`.
+    pub tissues: Vec<Tissue, TISSUES_MAX>,
+    /// What the hand holds.
+    pub tool: Tool,
+    /// How the tool meets the tissue.
+    pub contact: Contact,
+    /// The wound and where it is to be sewn; needs effect `puncture`.
+    pub stitch: Option<Stitch>,
+    /// The suture thread; needs effect `thread`.
+    pub thread: Option<Thread>,
+    /// The wound's two faces; needs effect `wound-contact`.
+    pub wound: Option<Wound>,
+    /// From simulated newtons to rendered newtons.
+    pub output: Output,
+    /// Where the device stands.
+    pub device: Device,
+    /// The simulated hand that holds a simulated device; a real device has a real one.
+    pub hand: Option<Hand>,
+}
+
+/// What a scene may call for. The discriminant is the effect's bit.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[repr(u32)]
+pub enum Effect {
+    /// The thread's weight.
+    Gravity = 1 << 0,
+    /// Stress–strain curves of several segments; without it each tissue keeps its first slope.
+    Stiffening = 1 << 1,
+    /// Dashpots along the springs.
+    SpringDamping = 1 << 2,
+    /// The needle may pass through the skin at F0; without it the tool only presses.
+    Puncture = 1 << 3,
+    /// Friction of the shaft in the tissue.
+    ShaftFriction = 1 << 4,
+    /// The suture thread.
+    Thread = 1 << 5,
+    /// The thread lies on the tissue's outer surface.
+    ThreadContact = 1 << 6,
+    /// The wound's faces cannot pass through each other.
+    WoundContact = 1 << 7,
+    /// Time-domain passivity control at the output edge.
+    Passivity = 1 << 8,
+}
+
+impl Effect {
+    /// Every effect, in the order of its bit.
+    pub const ALL: [Self; 9] = [
+        Self::Gravity,
+        Self::Stiffening,
+        Self::SpringDamping,
+        Self::Puncture,
+        Self::ShaftFriction,
+        Self::Thread,
+        Self::ThreadContact,
+        Self::WoundContact,
+        Self::Passivity,
+    ];
+
+    /// The name a scene file uses.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Gravity => "gravity",
+            Self::Stiffening => "stiffening",
+            Self::SpringDamping => "spring-damping",
+            Self::Puncture => "puncture",
+            Self::ShaftFriction => "shaft-friction",
+            Self::Thread => "thread",
+            Self::ThreadContact => "thread-contact",
+            Self::WoundContact => "wound-contact",
+            Self::Passivity => "passivity",
+        }
+    }
+}
+
+/// A set of effects.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Effects(pub u32);
+
+impl Effects {
+    /// Whether `effect` is on.
+    #[must_use]
+    pub const fn has(self, effect: Effect) -> bool {
+        self.0 & effect as u32 != 0
+    }
+
+    /// The set with `effect` on.
+    #[must_use]
+    pub const fn with(self, effect: Effect) -> Self {
+        Self(self.0 | effect as u32)
+    }
+}
+
+/// How the tissue is advanced by one tick.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Solver {
+    /// Backward Euler: `newton` linearisations, each with `iterations` of preconditioned conjugate gradients.
+    BePcg {
+        /// Conjugate-gradient iterations of one linear solve.
+        iterations: u16,
+        /// Newton steps a tick.
+        newton: u16,
+    },
+}
+
+/// The regular voxel lattice.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Lattice {
+    /// Cells along x, y, z; the lattice has one node more along each. One byte a cell, x fastest:
+    /// 0 is empty, `1 + i` is tissue `i`.
+    pub cells: [u16; 3],
+    /// Voxel edge a [m].
+    pub pitch_m: f32,
+    /// Node (0, 0, 0) in the patch frame [m].
+    pub origin_m: [f32; 3],
+    /// Spring constants from Young's modulus.
+    pub law: Law,
+    /// Mass damping α of m v̇ = f − α m v [1/s].
+    pub damping_per_s: f32,
+    /// Time constant β of stiffness-proportional dashpots [s]; used by effect `spring-damping`.
+    pub spring_damping_s: f32,
+}
+
+/// From Young's modulus E and voxel edge a to the stiffness of edges k_n and body diagonals k_d.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Law {
+    /// k_n = 0.8 E a, k_d = 0.3 E a: isotropic, Poisson's ratio 1/4, E exact in every direction.
+    Isotropic,
+    /// k_n = √(2/3) E a, k_d = 0.25 E a: E along the axes and G = E/3 exact.
+    Axial,
+    /// k_n = 0.45 E a, k_d = 0.25 E a as printed by Lian & Chen (Eqs 5, 6).
+    Paper,
+}
+
+/// One tissue.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Tissue {
+    /// Density ρ [kg/m³].
+    pub density_kg_m3: f32,
+    /// What it does under load.
+    pub body: Body,
+}
+
+/// What a tissue does under load.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub enum Body {
+    /// Bone: its nodes do not move.
+    Fixed,
+    /// A soft tissue.
+    Soft {
+        /// Segments of nominal stress against strain, first from zero strain; slopes do not decrease.
+        curve: Vec<Segment, SEGMENTS_MAX>,
+        /// Thickness t over pitch a where the tissue is a sheet thinner than a voxel, else 1: scales stiffness in the plane (0, 1].
+        sheet: f32,
+    },
+}
+
+/// One segment of a piecewise-linear stress–strain curve.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Segment {
+    /// Strain at which the segment begins (0 for the first).
+    pub from_strain: f32,
+    /// Slope of stress against strain [Pa].
+    pub slope_pa: f32,
+}
+
+/// What the hand holds.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub enum Tool {
+    /// A ball tip at the device's own tip.
+    Ball {
+        /// Radius [m]: the contact starts when the ball touches.
+        radius_m: f32,
+    },
+    /// A needle bent to an arc, held at its swage third (Lian & Chen Fig. 11).
+    Needle {
+        /// Arc radius R [m].
+        radius_m: f32,
+        /// Arc length from tip to swage [m].
+        length_m: f32,
+    },
+}
+
+/// How the tool meets the tissue.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Contact {
+    /// Virtual coupling between device and proxy K_c [N/m].
+    pub coupling_n_per_m: f32,
+    /// Damping of the virtual coupling B_c [N·s/m].
+    pub coupling_n_s_per_m: f32,
+    /// Radius of the tip's kernel on the surface [m]; at least 1.5 pitches.
+    pub kernel_m: f32,
+}
+
+/// The puncture of the two sites.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Stitch {
+    /// Left puncture on the skin, x and y in the patch frame [m].
+    pub left_m: [f32; 2],
+    /// Right puncture on the skin, x and y in the patch frame [m].
+    pub right_m: [f32; 2],
+    /// Puncture force F0 at the left and the right site [N] (Lian & Chen Fig. 8).
+    pub f0_n: [f32; 2],
+    /// Depth of the needle's track below the right site at which the tip begins to lift the skin [m].
+    pub under_m: f32,
+    /// Friction per metre of shaft in the tissue [N/m]; used by effect `shaft-friction`.
+    pub friction_n_per_m: f32,
+    /// Force of the advancing cutting tip [N]; used by effect `shaft-friction`.
+    pub cutting_n: f32,
+}
+
+/// The suture thread (Lian & Chen Fig. 13).
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Thread {
+    /// Mass elements N_0 … N_{n−1}.
+    pub nodes: u16,
+    /// Rest length of one link [m].
+    pub link_m: f32,
+    /// Axial stiffness EA [N].
+    pub axial_n: f32,
+    /// Mass per length [kg/m].
+    pub mass_kg_per_m: f32,
+    /// Damping c_i of Eq. 7 over the mass [1/s].
+    pub damping_per_s: f32,
+    /// Penalty k of Eq. 8 [N/m]; used by effect `thread-contact`.
+    pub penalty_n_per_m: f32,
+}
+
+/// The wound: a box of removed cells.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Wound {
+    /// Node columns of the left and the right face along x, [0, nodes).
+    pub faces: [u16; 2],
+    /// First and last node row of the faces along y.
+    pub rows: [u16; 2],
+    /// Lowest node layer of the faces along z.
+    pub floor: u16,
+    /// Contact stiffness of one pair of nodes [N/m].
+    pub penalty_n_per_m: f32,
+}
+
+/// From simulated newtons to what the device is told.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Output {
+    /// The paper's constant c of Eq. 11: rendered over simulated.
+    pub scale: f32,
+    /// Largest change of the rendered force a tick [N].
+    pub slew_n: f32,
+    /// Cap of the passivity damping [N·s/m]; used by effect `passivity`.
+    pub passivity_n_s_per_m: f32,
+}
+
+/// A force-feedback device and its place.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Device {
+    /// Force limits.
+    pub profile: Profile,
+    /// The device's frame (x right, y up, z to the user; origin at the neutral pose) in the patch frame.
+    pub patch_from_device: Pose,
+}
+
+/// Devices whose limits are known.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Profile {
+    /// PHANToM Premium 1.5: 8.5 N peak, 1.4 N continuous.
+    Premium15,
+    /// PHANToM Premium 3.0: 22 N peak, 3 N continuous.
+    Premium30,
+    /// Touch (Omni): 3.3 N peak, 0.88 N continuous.
+    Touch,
+    /// Desktop (Touch X): 7.9 N peak, 1.75 N continuous.
+    Desktop,
+}
+
+/// A position and an orientation.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Pose {
+    /// Origin [m].
+    pub position_m: [f32; 3],
+    /// Unit quaternion w, x, y, z.
+    pub quaternion: [f32; 4],
+}
+
+/// The simulated hand: a mass on a spring and a damper that follows a script (science of the hand: 0.1–0.5 kg, 2–10 N·s/m, 100–800 N/m).
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Hand {
+    /// Mass [kg].
+    pub mass_kg: f32,
+    /// Damping [N·s/m].
+    pub damping_n_s_per_m: f32,
+    /// Stiffness [N/m].
+    pub stiffness_n_per_m: f32,
+    /// Where the script begins, pose of the grasp point in the patch frame.
+    pub start: Pose,
+    /// What it does, one step after the other; the last pose is held.
+    pub steps: Vec<Step, STEPS_MAX>,
+}
+
+/// One step of the script. A step starts from the pose at which the step before it ended.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Step {
+    /// The path.
+    pub motion: Motion,
+    /// Time for the whole path [ticks].
+    pub ticks: u32,
+    /// What ends the step early.
+    pub until: Until,
+    /// Whether the stylus button is held during the step (it ties the knot).
+    pub button: bool,
+}
+
+/// A path of the hand, in the patch frame.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub enum Motion {
+    /// A straight line to `to`, turning along the shortest arc; speed follows a minimum-jerk profile.
+    Line {
+        /// End of the path.
+        to: Pose,
+    },
+    /// The same at constant speed.
+    Steady {
+        /// End of the path.
+        to: Pose,
+    },
+    /// A turn about an axis, as the wrist drives a curved needle, at constant speed.
+    Turn {
+        /// A point on the axis [m].
+        centre_m: [f32; 3],
+        /// Direction of the axis, unit length.
+        axis: [f32; 3],
+        /// Angle, right-handed about the axis [rad].
+        angle_rad: f32,
+    },
+    /// No motion.
+    Hold,
+}
+
+/// What the hand waits for.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub enum Until {
+    /// The end of the path.
+    Elapsed,
+    /// The needle has passed the site.
+    Punctured(Site),
+    /// The thread's tension reaches this [N].
+    Tension(f32),
+    /// The stage has been reached.
+    Stage(Stage),
+}
+
+/// A puncture site.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Site {
+    /// Where the needle enters first; the thread's tail is held here.
+    Left,
+    /// Where the needle comes out; the thread slides here.
+    Right,
+}
+
+/// Stages of a stitch, in order.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+pub enum Stage {
+    /// The tool is free.
+    Approach,
+    /// The tool presses on the skin.
+    Indent,
+    /// The needle has punctured the left side and moves along its arc.
+    Drive,
+    /// The tip meets the right side from below and comes out.
+    Exit,
+    /// The needle is out; slack thread follows.
+    PullThrough,
+    /// The thread is taut.
+    Tension,
+    /// The knot is laid.
+    Tie,
+    /// The stitch is finished, or the tool has let go of the tissue.
+    Done,
+}
+
+impl Stage {
+    /// Every stage in order.
+    pub const ALL: [Self; 8] = [
+        Self::Approach,
+        Self::Indent,
+        Self::Drive,
+        Self::Exit,
+        Self::PullThrough,
+        Self::Tension,
+        Self::Tie,
+        Self::Done,
+    ];
+
+    /// The name in tables, files and JSON.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Approach => "approach",
+            Self::Indent => "indent",
+            Self::Drive => "drive",
+            Self::Exit => "exit",
+            Self::PullThrough => "pull-through",
+            Self::Tension => "tension",
+            Self::Tie => "tie",
+            Self::Done => "done",
+        }
+    }
+}
