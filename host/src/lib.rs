@@ -1,1 +1,2 @@
-//! host.
+//! The host: geometry, scenes, the link to a controller, recorder and studies.
+#![forbid(unsafe_code)]

@@ -1,0 +1,76 @@
+//! Effects: what a scene may or may not call for, each named once.
+
+use serde::{Deserialize, Serialize};
+
+/// What a scene may call for. The discriminant is the effect's bit.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[repr(u32)]
+pub enum Effect {
+    /// The thread's weight.
+    Gravity = 1 << 0,
+    /// Stress–strain curves of several segments; without it each tissue keeps its first slope.
+    Stiffening = 1 << 1,
+    /// Dashpots along the springs.
+    SpringDamping = 1 << 2,
+    /// The needle may pass through the skin at F0; without it the tool only presses.
+    Puncture = 1 << 3,
+    /// Friction of the shaft in the tissue.
+    ShaftFriction = 1 << 4,
+    /// The suture thread.
+    Thread = 1 << 5,
+    /// The thread lies on the tissue's outer surface.
+    ThreadContact = 1 << 6,
+    /// The wound's faces cannot pass through each other.
+    WoundContact = 1 << 7,
+    /// Time-domain passivity control at the output edge.
+    Passivity = 1 << 8,
+}
+
+impl Effect {
+    /// Every effect, in the order of its bit.
+    pub const ALL: [Self; 9] = [
+        Self::Gravity,
+        Self::Stiffening,
+        Self::SpringDamping,
+        Self::Puncture,
+        Self::ShaftFriction,
+        Self::Thread,
+        Self::ThreadContact,
+        Self::WoundContact,
+        Self::Passivity,
+    ];
+
+    /// The name a scene file uses.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Gravity => "gravity",
+            Self::Stiffening => "stiffening",
+            Self::SpringDamping => "spring-damping",
+            Self::Puncture => "puncture",
+            Self::ShaftFriction => "shaft-friction",
+            Self::Thread => "thread",
+            Self::ThreadContact => "thread-contact",
+            Self::WoundContact => "wound-contact",
+            Self::Passivity => "passivity",
+        }
+    }
+}
+
+/// A set of effects.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Effects(pub u32);
+
+impl Effects {
+    /// Whether `effect` is on.
+    #[must_use]
+    pub const fn has(self, effect: Effect) -> bool {
+        self.0 & effect as u32 != 0
+    }
+
+    /// The set with `effect` on.
+    #[must_use]
+    pub const fn with(self, effect: Effect) -> Self {
+        Self(self.0 | effect as u32)
+    }
+}
