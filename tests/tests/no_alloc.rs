@@ -1,0 +1,81 @@
+//! The controller allocates nothing, shown by an allocator that counts. A test binary of its own, since an allocator serves a whole program.
+
+/// The system's allocator with a count beside it.
+#[allow(unsafe_code)]
+mod counting {
+    use std::alloc::{GlobalAlloc, Layout, System};
+    use std::cell::Cell;
+
+    thread_local! {
+        /// Calls to the allocator on this thread since the count was last reset; the test runner's other threads have their own.
+        static CALLS: Cell<u64> = const { Cell::new(0) };
+    }
+
+    struct Counting;
+
+    #[global_allocator]
+    static ALLOCATOR: Counting = Counting;
+
+    fn count() {
+        // A thread that ends frees memory after its counter is gone; nobody reads that count.
+        CALLS.try_with(|calls| calls.set(calls.get() + 1)).ok();
+    }
+
+    // SAFETY: every call goes to the system's allocator as it came.
+    unsafe impl GlobalAlloc for Counting {
+        unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
+            count();
+            unsafe { System.alloc(layout) }
+        }
+
+        unsafe fn alloc_zeroed(&self, layout: Layout) -> *mut u8 {
+            count();
+            unsafe { System.alloc_zeroed(layout) }
+        }
+
+        unsafe fn realloc(&self, block: *mut u8, layout: Layout, size: usize) -> *mut u8 {
+            count();
+            unsafe { System.realloc(block, layout, size) }
+        }
+
+        unsafe fn dealloc(&self, block: *mut u8, layout: Layout) {
+            count();
+            unsafe { System.dealloc(block, layout) }
+        }
+    }
+
+    /// How often `work` calls the allocator, to free memory too.
+    pub(crate) fn calls_during(work: impl FnOnce()) -> u64 {
+        CALLS.set(0);
+        work();
+        CALLS.get()
+    }
+}
+
+use counting::calls_during;
+use std::hint::black_box;
+use sutura_controller::math::{Pose, Vec3};
+
+/// Ten seconds of the simulated hand.
+const TICKS: u32 = 10_000;
+
+#[test]
+fn the_counter_counts() {
+    assert_eq!(calls_during(|| drop(black_box(Box::new(1)))), 2);
+    assert_eq!(calls_during(|| drop(black_box(vec![0_u8; 8]))), 2);
+    let mut grows = Vec::with_capacity(1);
+    assert_eq!(calls_during(|| grows.extend_from_slice(black_box(&[1, 2, 3]))), 1);
+    assert_eq!(calls_during(|| _ = black_box([1_u8; 64])), 0);
+}
+
+#[test]
+fn frames_are_composed_without_allocating() {
+    let calls = calls_during(|| {
+        let mut pose = Pose::default();
+        for _ in 0..TICKS {
+            pose = pose.then(&black_box(pose).inverse());
+            black_box(pose.point(Vec3::x()));
+        }
+    });
+    assert_eq!(calls, 0);
+}
