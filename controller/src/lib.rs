@@ -6,6 +6,7 @@
 #![forbid(unsafe_code)]
 
 pub mod device;
+pub mod event;
 pub mod math;
 pub mod record;
 pub mod safety;

@@ -8,11 +8,13 @@ use super::{Source, Violation, text};
 const FOLDER: &str = "controller/src/";
 
 /// The floors, from the bottom. Every module below [`FOLDER`] stands on one.
-const FLOORS: [&[&str]; 9] = [
+const FLOORS: [&[&str]; 10] = [
     // Plain arithmetic.
     &["math", "hash"],
     // Immutable parameters and everything that changes: plain data.
-    &["lattice", "kernel"],
+    &["lattice", "event"],
+    // What ties the tool and the thread to nodes of the lattice: weights, nothing else.
+    &["coupling", "surface", "wound"],
     // What a spring is.
     &["law"],
     // How a stiff spring system is advanced.
