@@ -38,7 +38,7 @@ const PICTURE: [Package; 7] = [
         folder: "controller/firmware",
         name: "sutura-firmware",
         ours: &["sutura-controller", "sutura-shared"],
-        theirs: Some(&["cortex-m-rt", "static_cell"]),
+        theirs: Some(&["bytemuck", "cortex-m-rt", "static_cell"]),
     },
     Package {
         folder: "host",
