@@ -1,2 +1,5 @@
 //! The host: geometry, scenes, the link to a controller, recorder and studies.
 #![forbid(unsafe_code)]
+
+pub mod geometry;
+pub mod voxelize;
