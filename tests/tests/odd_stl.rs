@@ -3,18 +3,15 @@
 //! `UPDATE_GOLDEN=1` writes the table anew; its difference is then for a person to read.
 
 use std::fmt::Write;
-use std::path::Path;
 use std::{env, fs};
 
 use sutura::geometry::stl;
 
 #[test]
 fn every_odd_file_gives_triangles_with_warnings_or_one_line() {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let folder = root.join("../../shared/data/odd_stl");
-    let Ok(entries) = fs::read_dir(&folder) else {
-        eprintln!("skipped: odd_stl needs ../shared/data/odd_stl");
-        return;
+    let root = sutura_tests::root();
+    let Ok(entries) = fs::read_dir(root.join("../shared/data/odd_stl")) else {
+        return sutura_tests::skipped("odd_stl", "../shared/data/odd_stl");
     };
     let mut files: Vec<_> = entries.map(|entry| entry.unwrap().path()).collect();
     files.sort();
@@ -24,12 +21,7 @@ fn every_odd_file_gives_triangles_with_warnings_or_one_line() {
         match stl::parse(&fs::read(&file).unwrap()) {
             Ok(reading) => {
                 let triangles = reading.mesh.triangles.len();
-                writeln!(
-                    table,
-                    "{name}: {triangles} triangles, solids: {}",
-                    reading.solids
-                )
-                .unwrap();
+                writeln!(table, "{name}: {triangles} triangles, solids: {}", reading.solids).unwrap();
                 for warning in reading.warnings {
                     writeln!(table, "    {warning}").unwrap();
                 }
@@ -37,7 +29,7 @@ fn every_odd_file_gives_triangles_with_warnings_or_one_line() {
             Err(fault) => writeln!(table, "{name}: error: {fault}").unwrap(),
         }
     }
-    let golden = root.join("golden/odd_stl.txt");
+    let golden = root.join("tests/golden/odd_stl.txt");
     if env::var_os("UPDATE_GOLDEN").is_some() {
         fs::write(&golden, &table).unwrap();
     }

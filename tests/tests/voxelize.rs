@@ -1,6 +1,6 @@
 //! Voxel counts of meshes whose counts are known from independent programs.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use sutura::geometry::units::Units;
 use sutura::voxelize::{Error, Report, Request, Resolution, run};
@@ -60,18 +60,11 @@ fn units_scale_the_pitch_and_nothing_else() {
     let Some(mm) = voxelize("std/20mm-xyz-cube.stl", Units::Mm, Resolution::PitchMm(1.0)) else {
         return;
     };
-    let Some(cm) = voxelize(
-        "std/20mm-xyz-cube.stl",
-        Units::Cm,
-        Resolution::PitchMm(10.0),
-    ) else {
+    let Some(cm) = voxelize("std/20mm-xyz-cube.stl", Units::Cm, Resolution::PitchMm(10.0)) else {
         return;
     };
     let (mm, cm) = (mm.unwrap(), cm.unwrap());
-    assert_eq!(
-        (mm.voxels, mm.grid, mm.nodes),
-        (cm.voxels, cm.grid, cm.nodes)
-    );
+    assert_eq!((mm.voxels, mm.grid, mm.nodes), (cm.voxels, cm.grid, cm.nodes));
     assert!((cm.volume_mm3 - 1000.0 * mm.volume_mm3).abs() < 1e-6 * cm.volume_mm3);
 }
 
@@ -84,14 +77,10 @@ fn impossible_pitches_are_one_line() {
         (50.0, "gives no voxel"),
     ] {
         // Half a pitch of 50 mm is beyond the sphere of 20 mm.
-        let Some(report) = voxelize("std/sphere_r10.stl", Units::Mm, Resolution::PitchMm(pitch))
-        else {
+        let Some(report) = voxelize("std/sphere_r10.stl", Units::Mm, Resolution::PitchMm(pitch)) else {
             return;
         };
         let message = report.unwrap_err().to_string();
-        assert!(
-            message.contains(says) && !message.contains('\n'),
-            "{message}"
-        );
+        assert!(message.contains(says) && !message.contains('\n'), "{message}");
     }
 }
