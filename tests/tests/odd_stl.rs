@@ -10,9 +10,10 @@ use sutura::geometry::stl;
 #[test]
 fn every_odd_file_gives_triangles_with_warnings_or_one_line() {
     let root = sutura_tests::root();
-    let Ok(entries) = fs::read_dir(root.join("../shared/data/odd_stl")) else {
-        return sutura_tests::skipped("odd_stl", "../shared/data/odd_stl");
+    let Some(folder) = sutura_tests::shared("odd_stl", "data/odd_stl") else {
+        return;
     };
+    let entries = fs::read_dir(folder).unwrap();
     let mut files: Vec<_> = entries.map(|entry| entry.unwrap().path()).collect();
     files.sort();
     let mut table = String::new();

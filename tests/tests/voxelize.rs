@@ -1,24 +1,12 @@
 //! Voxel counts of meshes whose counts are known from independent programs.
 
-use std::path::PathBuf;
-
 use sutura::geometry::units::Units;
 use sutura::voxelize::{Error, Report, Request, Resolution, run};
 
-fn data(name: &str) -> Option<PathBuf> {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR"))
-        .join("../../shared/data")
-        .join(name);
-    if !path.exists() {
-        eprintln!("skipped: voxelize needs ../shared/data/{name}");
-        return None;
-    }
-    Some(path)
-}
-
 fn voxelize(name: &str, units: Units, resolution: Resolution) -> Option<Result<Report, Error>> {
+    let mesh = sutura_tests::shared("voxelize", &format!("data/{name}"))?;
     Some(run(&Request {
-        meshes: vec![data(name)?],
+        meshes: vec![mesh],
         resolution,
         units,
     }))
