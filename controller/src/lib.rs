@@ -10,3 +10,4 @@ pub mod event;
 pub mod math;
 pub mod record;
 pub mod safety;
+pub mod thread;

@@ -1,0 +1,31 @@
+//! The suture thread: mass elements on stiff springs (Lian & Chen §3.2–3.4, Figs 13–16), behaviour beside needle and tissue.
+//!
+//! m_i ẍ_i + c_i ẋ_i + ΣF_i = ΣP_i (Eq. 7) is advanced by backward Euler. A link pulls with EA (l/l₀ − 1) and never pushes; P is
+//! weight and the penalty of the tissue's surface (Eq. 8). N₀ hangs on the needle's swage, N₍ₙ₋₁₎ is held by the tissue at the
+//! left puncture and the thread runs through an eyelet at the right one (Fig. 16).
+//!
+//! A link is a hundred times stiffer than the skin it is tied to, so the two are never advanced in turn. [`condense`] eliminates
+//! every node of the block-tridiagonal system onto the two points of the tissue, exactly; the tissue's solve carries that small
+//! block; [`settle`] substitutes back. The operation count is fixed.
+//!
+//! ```text
+//! condense   predict → {links, elimination, the points' own answer, eyelet}×3 → links, elimination → force and stiffness at the points
+//! settle     back-substitution → velocities → eyelet → Pull
+//! ```
+
+mod config;
+mod contact;
+mod eyelet;
+mod factor;
+mod link;
+mod pull;
+mod solve;
+mod state;
+#[cfg(test)]
+mod tests;
+
+pub use config::{ConfigError, Params, build};
+pub use contact::{Ground, Touch};
+pub use pull::{Pull, eq11};
+pub use solve::{Condensed, Ends, Work, condense, settle};
+pub use state::{NODES_MAX, Place, Run, State};

@@ -1,0 +1,167 @@
+//! What changes in a thread: places, velocities, and how it runs at the right puncture.
+
+use super::config::{EYELET, Params};
+use super::link::tied_stiffness;
+use crate::math::{Vec3, direction, length};
+
+/// Most mass elements of a thread.
+pub const NODES_MAX: usize = 64;
+
+/// A position in two parts, `coarse + fine`, so that a displacement of a nanometre is not rounded away a decimetre from the origin:
+/// half a unit in the last place of 0.1 m is 4 nm, which a link of 15 kN/m answers with 0.06 mN.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Place {
+    /// The position to its own precision [m].
+    pub coarse: Vec3,
+    /// What is left of it [m].
+    pub fine: Vec3,
+}
+
+impl Place {
+    /// A place at `p`.
+    #[must_use]
+    pub fn new(p: Vec3) -> Self {
+        Self {
+            coarse: p,
+            fine: Vec3::zeros(),
+        }
+    }
+
+    /// The position, rounded [m].
+    #[must_use]
+    pub fn point(&self) -> Vec3 {
+        self.coarse + self.fine
+    }
+
+    /// The vector from here to `other` [m].
+    #[inline]
+    #[must_use]
+    pub fn to(&self, other: &Self) -> Vec3 {
+        (other.coarse - self.coarse) + (other.fine - self.fine)
+    }
+
+    /// The same position with the rounding error of `coarse` alone in `fine`.
+    pub(super) fn normalised(&self) -> Self {
+        let coarse = self.point();
+        Self {
+            coarse,
+            fine: (self.coarse - coarse) + self.fine,
+        }
+    }
+}
+
+/// How the thread runs at the right puncture.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum Run {
+    /// Not through it.
+    #[default]
+    Free,
+    /// Without friction: link `link`, between N₍link₎ on the needle's side and the next node on the tail's, passes the eyelet.
+    Sliding {
+        /// Index of the link.
+        link: usize,
+    },
+    /// Held by the knot: the link's two pieces no longer share their length.
+    Tied {
+        /// Index of the link.
+        link: usize,
+        /// Rest lengths of the piece on the needle's and on the tail's side [m].
+        rest: [f32; 2],
+    },
+}
+
+/// The thread's state; only the first n entries have a meaning, the others stay zero.
+#[derive(Clone, Debug, PartialEq)]
+pub struct State {
+    /// Where the nodes are.
+    pub nodes: [Place; NODES_MAX],
+    /// Their velocities [m/s].
+    pub velocity: [Vec3; NODES_MAX],
+    /// Where the right puncture was [m]; none while the thread has nothing to do with it.
+    pub eyelet: Option<Vec3>,
+    /// Forces on the tissue's points, tail and eyelet, at the end of the last tick [N].
+    pub load: [Vec3; 2],
+    /// The right puncture.
+    pub run: Run,
+}
+
+impl State {
+    /// A thread at rest between `from` (the swage) and `to` (the tail): an arc of links at their rest length that bulges towards
+    /// `bulge` (unit length, across the line between the two); a straight line where the thread is too short for an arc.
+    #[must_use]
+    pub fn laid(params: &Params, from: Vec3, to: Vec3, bulge: Vec3) -> Self {
+        let links = (params.nodes - 1) as f32;
+        let span = length(to - from);
+        let mut along = direction(to - from, 1e-6);
+        if along == Vec3::zeros() {
+            along = direction(bulge.cross(&Vec3::new(bulge.y, bulge.z, -bulge.x)), 1e-6);
+        }
+        let (turn, step) = match arc(links, span / params.rest) {
+            Some(turn) => (turn, params.rest),
+            None => (0.0, span / links),
+        };
+        let mut state = Self {
+            nodes: [Place::default(); NODES_MAX],
+            velocity: [Vec3::zeros(); NODES_MAX],
+            eyelet: None,
+            load: [Vec3::zeros(); 2],
+            run: Run::Free,
+        };
+        let mut at = from;
+        let mut heading = 0.5 * turn * (links - 1.0);
+        for node in state.nodes.iter_mut().take(params.nodes) {
+            *node = Place::new(at);
+            let (sin, cos) = libm::sincosf(heading);
+            at += (along * cos + bulge * sin) * step;
+            heading -= turn;
+        }
+        state
+    }
+
+    /// Leads the thread through the right puncture: the needle's swage has just passed it.
+    pub fn lead_through(&mut self) {
+        if self.run == Run::Free {
+            self.run = Run::Sliding { link: 0 };
+        }
+    }
+
+    /// Ties the thread at the right puncture: each piece of the link keeps the tension it has.
+    pub fn tie(&mut self, params: &Params) {
+        let Run::Sliding { link } = self.run else {
+            return;
+        };
+        let (Some(eyelet), Some(near), Some(far)) =
+            (self.eyelet, self.nodes.get(link), self.nodes.get(link + 1))
+        else {
+            return;
+        };
+        let eyelet = Place::new(eyelet);
+        let pieces = [length(eyelet.to(near)), length(eyelet.to(far))];
+        let whole = pieces.iter().sum::<f32>().max(EYELET);
+        let tension = params.stiffness() * (whole - params.rest);
+        let rest = pieces.map(|piece| {
+            let share = params.rest * piece / whole;
+            piece - tension / tied_stiffness(params, share)
+        });
+        self.run = Run::Tied { link, rest };
+    }
+}
+
+/// The angle between neighbours among `links` equal chords of unit length that together span `span`; none where they cannot.
+fn arc(links: f32, span: f32) -> Option<f32> {
+    if span >= links {
+        return None;
+    }
+    // The span falls from `links` to 0 as the chords go from a line to a closed polygon; bisection to the last bit of an f32.
+    let (mut straight, mut closed) = (0.0_f32, 2.0 * core::f32::consts::PI / links);
+    for _ in 0..30 {
+        let turn = 0.5 * (straight + closed);
+        let spanned = libm::sinf(0.5 * turn * links) / libm::sinf(0.5 * turn);
+        if spanned > span {
+            straight = turn;
+        } else {
+            closed = turn;
+        }
+    }
+    Some(straight)
+}

@@ -1,0 +1,258 @@
+//! The same backward Euler step in double precision, solved monolithically: thread nodes and tissue points in one dense Newton
+//! iteration on the incremental energy, to convergence. Written from the equations, sharing no code with the module.
+
+type V = [f64; 3];
+
+fn sub(a: V, b: V) -> V {
+    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
+}
+
+fn norm(a: V) -> f64 {
+    (a[0] * a[0] + a[1] * a[1] + a[2] * a[2]).sqrt()
+}
+
+/// Gaussian elimination with partial pivoting.
+pub(super) fn solve(mut a: Vec<Vec<f64>>, mut b: Vec<f64>) -> Vec<f64> {
+    let n = b.len();
+    for k in 0..n {
+        let pivot = (k..n)
+            .max_by(|i, j| a[*i][k].abs().total_cmp(&a[*j][k].abs()))
+            .unwrap();
+        a.swap(k, pivot);
+        b.swap(k, pivot);
+        for i in k + 1..n {
+            let factor = a[i][k] / a[k][k];
+            if factor != 0.0 {
+                let (top, bottom) = a.split_at_mut(i);
+                for (x, y) in bottom[0][k..].iter_mut().zip(&top[k][k..]) {
+                    *x -= factor * y;
+                }
+                b[i] -= factor * b[k];
+            }
+        }
+    }
+    for k in (0..n).rev() {
+        for j in k + 1..n {
+            b[k] -= a[k][j] * b[j];
+        }
+        b[k] /= a[k][k];
+    }
+    b
+}
+
+/// −gradient and Hessian of the incremental energy.
+struct System {
+    force: Vec<f64>,
+    hessian: Vec<Vec<f64>>,
+}
+
+impl System {
+    fn spring(&mut self, i: usize, k: f64, d: V) {
+        for (r, d) in d.iter().enumerate() {
+            self.force[3 * i + r] -= k * d;
+            self.hessian[3 * i + r][3 * i + r] += k;
+        }
+    }
+
+    fn bend(&mut self, a: usize, b: usize, block: &[V; 3]) {
+        for (r, row) in block.iter().enumerate() {
+            for (c, bend) in row.iter().enumerate() {
+                self.hessian[3 * a + r][3 * a + c] += bend;
+                self.hessian[3 * b + r][3 * b + c] += bend;
+                self.hessian[3 * a + r][3 * b + c] -= bend;
+                self.hessian[3 * b + r][3 * a + c] -= bend;
+            }
+        }
+    }
+}
+
+/// Thread nodes 0…n−2, then tail, then eyelet.
+#[derive(Clone)]
+pub(super) struct Monolith {
+    pub(super) links: usize,
+    pub(super) rest: f64,
+    pub(super) axial: f64,
+    pub(super) density: f64,
+    pub(super) alpha: f64,
+    pub(super) coupling: f64,
+    pub(super) tissue_mass: f64,
+    pub(super) tissue_stiffness: f64,
+    pub(super) tissue_rest: [V; 2],
+    /// The link through the eyelet.
+    pub(super) through: Option<usize>,
+    pub(super) x: Vec<V>,
+    pub(super) v: Vec<V>,
+}
+
+impl Monolith {
+    /// m (1 + α dt)/dt² and where the point coasts to, of m(v⁺ − v)/dt = f − α m v⁺; the tissue's points have no α.
+    fn inertia(&self, i: usize) -> (f64, V) {
+        let (mass, alpha) = match i {
+            0 => (0.5 * self.density * self.rest, self.alpha),
+            i if i >= self.links => (self.tissue_mass, 0.0),
+            _ => (self.density * self.rest, self.alpha),
+        };
+        let damped = 1.0 + alpha * 1e-3;
+        let coast = [0, 1, 2].map(|r| self.x[i][r] + 1e-3 / damped * self.v[i][r]);
+        (mass * damped / 1e-6, coast)
+    }
+
+    /// Pairs of points whose distances add to the length of link k.
+    fn legs(&self, k: usize) -> Vec<(usize, usize)> {
+        if self.through == Some(k) {
+            vec![(k, self.links + 1), (self.links + 1, k + 1)]
+        } else {
+            vec![(k, k + 1)]
+        }
+    }
+
+    fn elongation(&self, x: &[V], k: usize) -> f64 {
+        self.legs(k)
+            .iter()
+            .map(|(a, b)| norm(sub(x[*a], x[*b])))
+            .sum::<f64>()
+            - self.rest
+    }
+
+    /// Springs to fixed places: inertia, tissue, the swage. (point, stiffness, from the place)
+    fn springs(&self, x: &[V], swage: V) -> Vec<(usize, f64, V)> {
+        let mut all = vec![(0, self.coupling, sub(x[0], swage))];
+        for (i, rest) in self.tissue_rest.iter().enumerate() {
+            all.push((
+                self.links + i,
+                self.tissue_stiffness,
+                sub(x[self.links + i], *rest),
+            ));
+        }
+        all.extend(x.iter().enumerate().map(|(i, p)| {
+            let (m, coast) = self.inertia(i);
+            (i, m, sub(*p, coast))
+        }));
+        all
+    }
+
+    fn energy(&self, x: &[V], swage: V) -> f64 {
+        let springs: f64 = self
+            .springs(x, swage)
+            .iter()
+            .map(|(_, k, d)| 0.5 * k * norm(*d).powi(2))
+            .sum();
+        let taut = (0..self.links).map(|k| self.elongation(x, k).max(0.0).powi(2));
+        springs + 0.5 * self.axial / self.rest * taut.sum::<f64>()
+    }
+
+    fn linearise(&self, x: &[V], swage: V) -> System {
+        let n = 3 * x.len();
+        let mut system = System {
+            force: vec![0.0; n],
+            hessian: vec![vec![0.0; n]; n],
+        };
+        for (i, k, d) in self.springs(x, swage) {
+            system.spring(i, k, d);
+        }
+        let stiffness = self.axial / self.rest;
+        for k in 0..self.links {
+            let tension = stiffness * self.elongation(x, k);
+            if tension <= 0.0 {
+                continue;
+            }
+            let mut gradient = vec![0.0; n];
+            for (a, b) in self.legs(k) {
+                let d = sub(x[a], x[b]);
+                let l = norm(d);
+                for r in 0..3 {
+                    gradient[3 * a + r] += d[r] / l;
+                    gradient[3 * b + r] -= d[r] / l;
+                }
+                let unit = |r: usize, c: usize| if r == c { 1.0 } else { 0.0 };
+                let block = [0, 1, 2]
+                    .map(|r| [0, 1, 2].map(|c| tension / l * (unit(r, c) - d[r] * d[c] / (l * l))));
+                system.bend(a, b, &block);
+            }
+            let touched: Vec<usize> = (0..n).filter(|i| gradient[*i] != 0.0).collect();
+            for &i in &touched {
+                system.force[i] -= tension * gradient[i];
+                for &j in &touched {
+                    system.hessian[i][j] += stiffness * gradient[i] * gradient[j];
+                }
+            }
+        }
+        system
+    }
+
+    /// Newton's iteration with backtracking; the solution and the largest force left over.
+    fn converge(&self, start: Vec<V>, swage: V) -> (Vec<V>, f64) {
+        let mut x = start;
+        let mut left = f64::INFINITY;
+        for _ in 0..300 {
+            let System { force, hessian } = self.linearise(&x, swage);
+            left = force.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
+            if left < 1e-10 {
+                break;
+            }
+            let slope_step = solve(hessian, force.clone());
+            let slope: f64 = slope_step.iter().zip(&force).map(|(s, g)| s * g).sum();
+            let before = self.energy(&x, swage);
+            let mut scale = 1.0;
+            loop {
+                let step =
+                    |(i, p): (usize, &V)| [0, 1, 2].map(|r| p[r] + scale * slope_step[3 * i + r]);
+                let trial: Vec<V> = x.iter().enumerate().map(step).collect();
+                if self.energy(&trial, swage) <= before - 1e-4 * scale * slope + 1e-18
+                    || scale < 1e-6
+                {
+                    x = trial;
+                    break;
+                }
+                scale *= 0.5;
+            }
+        }
+        (x, left)
+    }
+
+    /// The points as they were; where another link is to be in the eyelet, its node is put on the side it then belongs to.
+    fn start(&self, through: Option<usize>) -> Vec<V> {
+        let mut x = self.x.clone();
+        if let (Some(old), Some(new)) = (self.through, through)
+            && old != new
+        {
+            let (node, towards) = if new > old {
+                (new, old)
+            } else {
+                (old, old + 1)
+            };
+            let eyelet = x[self.links + 1];
+            let d = sub(x[towards], eyelet);
+            x[node] = [0, 1, 2].map(|r| eyelet[r] + 2e-4 * d[r] / norm(d));
+        }
+        x
+    }
+
+    /// One tick. Of the links that could be in the eyelet the one with the least energy is: a frictionless thread slides
+    /// to it. Gives the force of the thread on the swage and the largest force left over.
+    pub(super) fn tick(&mut self, swage: V) -> (V, f64) {
+        let candidates = match self.through {
+            None => vec![None],
+            Some(k) => (k.saturating_sub(1)..=(k + 1).min(self.links - 1))
+                .map(Some)
+                .collect(),
+        };
+        let tried = candidates.into_iter().map(|through| {
+            let trial = Self {
+                through,
+                ..self.clone()
+            };
+            let (x, left) = trial.converge(self.start(through), swage);
+            (trial.energy(&x, swage), through, x, left)
+        });
+        let (_, through, x, left) = tried.min_by(|a, b| a.0.total_cmp(&b.0)).unwrap();
+        let velocity = |(new, old): (&V, &V)| sub(*new, *old).map(|d| d / 1e-3);
+        self.v = x.iter().zip(&self.x).map(velocity).collect();
+        self.x = x;
+        self.through = through;
+        (
+            [0, 1, 2].map(|r| self.coupling * (self.x[0][r] - swage[r])),
+            left,
+        )
+    }
+}
