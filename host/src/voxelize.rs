@@ -130,9 +130,7 @@ pub fn run(request: &Request) -> Result<Report, Error> {
     for mesh in &meshes {
         let inside = inside(mesh, &grid);
         unbalanced_rows += inside.unbalanced_rows;
-        mask.iter_mut()
-            .zip(&inside.mask)
-            .for_each(|(all, one)| *all |= one);
+        mask.iter_mut().zip(&inside.mask).for_each(|(all, one)| *all |= one);
     }
     let ms = started.elapsed().as_secs_f64() * 1e3;
     let counts = lattice::count(&mask, grid.cells);

@@ -76,11 +76,7 @@ pub enum ConfigError {
 ///
 /// # Errors
 /// A count, a length or a coefficient out of its range.
-pub fn build(
-    thread: &scene::Thread,
-    coupling_n_per_m: f32,
-    effects: Effects,
-) -> Result<Params, ConfigError> {
+pub fn build(thread: &scene::Thread, coupling_n_per_m: f32, effects: Effects) -> Result<Params, ConfigError> {
     let nodes = usize::from(thread.nodes);
     if !(3..=NODES_MAX).contains(&nodes) {
         return Err(ConfigError::Nodes(thread.nodes));
@@ -97,10 +93,7 @@ pub fn build(
         ("damping_per_s", thread.damping_per_s),
         ("penalty_n_per_m", thread.penalty_n_per_m),
     ];
-    if let Some((name, _)) = positive
-        .iter()
-        .find(|(_, value)| !(value.is_finite() && *value > 0.0))
-    {
+    if let Some((name, _)) = positive.iter().find(|(_, value)| !(value.is_finite() && *value > 0.0)) {
         return Err(ConfigError::Coefficient(name));
     }
     if let Some((name, _)) = not_negative
@@ -123,8 +116,6 @@ pub fn build(
             0.0
         },
         coupling: coupling_n_per_m,
-        penalty: effects
-            .has(Effect::ThreadContact)
-            .then_some(thread.penalty_n_per_m),
+        penalty: effects.has(Effect::ThreadContact).then_some(thread.penalty_n_per_m),
     })
 }

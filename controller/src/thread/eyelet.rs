@@ -6,17 +6,8 @@ use super::state::{NODES_MAX, Place, Run};
 use crate::math::{Vec3, direction};
 
 /// The pieces of link `link` on both sides of `eyelet`.
-pub(super) fn pieces(
-    nodes: &[Place; NODES_MAX],
-    n: usize,
-    link: usize,
-    eyelet: &Place,
-) -> [Piece; 2] {
-    let seen = |index: usize| {
-        nodes
-            .get(index)
-            .map_or_else(Vec3::zeros, |node| eyelet.to(node))
-    };
+pub(super) fn pieces(nodes: &[Place; NODES_MAX], n: usize, link: usize, eyelet: &Place) -> [Piece; 2] {
+    let seen = |index: usize| nodes.get(index).map_or_else(Vec3::zeros, |node| eyelet.to(node));
     let (a, b) = (seen(link), seen(link + 1));
     let behind_b = if link + 2 < n { seen(link + 2) } else { -a };
     let behind_a = if link > 0 { seen(link - 1) } else { -b };

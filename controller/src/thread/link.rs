@@ -140,10 +140,7 @@ pub(super) fn tied(params: &Params, pieces: &[Piece; 2], rest: [f32; 2]) -> Link
     let (b_tension, b_stiffness) = spring(tied_stiffness(params, b_rest), b.length - b_rest, 0.0);
     joined(
         [a.along * a_tension, b.along * b_tension],
-        [
-            pulled(a, a_tension, a_stiffness),
-            pulled(b, b_tension, b_stiffness),
-        ],
+        [pulled(a, a_tension, a_stiffness), pulled(b, b_tension, b_stiffness)],
         Mat3::zeros(),
     )
 }

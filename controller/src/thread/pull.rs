@@ -63,9 +63,7 @@ impl Sum {
 /// The thread's pull, from where its nodes are.
 pub(super) fn pull(params: &Params, state: &State, swage: Option<Vec3>) -> Pull {
     let [first, second, ..] = &state.nodes;
-    let on_needle = swage.map_or_else(Vec3::zeros, |swage| {
-        Place::new(swage).to(first) * params.coupling
-    });
+    let on_needle = swage.map_or_else(Vec3::zeros, |swage| Place::new(swage).to(first) * params.coupling);
     let (run, eyelet) = match state.eyelet {
         Some(eyelet) => (state.run, Place::new(eyelet)),
         None => (Run::Free, Place::default()),

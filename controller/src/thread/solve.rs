@@ -56,10 +56,7 @@ impl Condensed {
         let [tail, eyelet] = c;
         let [on_tail, on_eyelet] = self.force;
         let [[tt, te], [et, ee]] = self.stiffness;
-        [
-            on_tail - tt * tail - te * eyelet,
-            on_eyelet - et * tail - ee * eyelet,
-        ]
+        [on_tail - tt * tail - te * eyelet, on_eyelet - et * tail - ee * eyelet]
     }
 }
 
@@ -136,21 +133,11 @@ impl Front {
 
 /// Advances the thread in thought against tissue that answers with `ends.end_stiffness`, linearises it there and eliminates
 /// every node. Fixed operation count; `state` is not changed.
-pub fn condense<G: Ground>(
-    params: &Params,
-    state: &State,
-    ends: &Ends,
-    ground: &G,
-    work: &mut Work,
-) -> Condensed {
+pub fn condense<G: Ground>(params: &Params, state: &State, ends: &Ends, ground: &G, work: &mut Work) -> Condensed {
     begin(params, state, ends, work);
     look(params, ground, work);
     for iteration in 0..ITERATIONS {
-        let slack = if iteration == 0 {
-            NEARLY_TAUT * params.rest
-        } else {
-            0.0
-        };
+        let slack = if iteration == 0 { NEARLY_TAUT * params.rest } else { 0.0 };
         let reduced = eliminate(params, state, work, slack);
         let moved = answer(&reduced, state, ends, iterate(params, work));
         substitute(params, work, moved);
@@ -183,11 +170,7 @@ pub fn settle(params: &Params, state: &mut State, work: &mut Work, moved: [Vec3;
 /// and which has passed it.
 fn begin(params: &Params, state: &State, ends: &Ends, work: &mut Work) {
     work.ends = *ends;
-    work.run = if ends.eyelet.is_some() {
-        state.run
-    } else {
-        Run::Free
-    };
+    work.run = if ends.eyelet.is_some() { state.run } else { Run::Free };
     work.nodes = state.nodes;
     work.eyelet = Place::default();
     if let Some(eyelet) = ends.eyelet {
@@ -209,18 +192,8 @@ fn look<G: Ground>(params: &Params, ground: &G, work: &mut Work) {
         return;
     }
     let free = params.nodes - usize::from(work.ends.tail.is_some());
-    for (index, (touch, node)) in work
-        .touch
-        .iter_mut()
-        .zip(&work.nodes)
-        .enumerate()
-        .take(params.nodes)
-    {
-        *touch = if index < free {
-            ground.at(node.point())
-        } else {
-            None
-        };
+    for (index, (touch, node)) in work.touch.iter_mut().zip(&work.nodes).enumerate().take(params.nodes) {
+        *touch = if index < free { ground.at(node.point()) } else { None };
         // The plane is kept relative to the node's coarse part, from which it moves.
         if let Some(touch) = touch {
             touch.gap -= touch.normal.dot(&node.fine);
@@ -235,11 +208,7 @@ fn iterate(params: &Params, work: &Work) -> [Vec3; 2] {
         .get(params.nodes - 1)
         .map_or_else(Vec3::zeros, |node| node.fine);
     [
-        if work.ends.tail.is_some() {
-            tail
-        } else {
-            Vec3::zeros()
-        },
+        if work.ends.tail.is_some() { tail } else { Vec3::zeros() },
         work.eyelet.fine,
     ]
 }
@@ -248,9 +217,7 @@ fn iterate(params: &Params, work: &Work) -> [Vec3; 2] {
 fn eliminate(params: &Params, state: &State, work: &mut Work, slack: f32) -> Condensed {
     work.pieces = match work.run {
         Run::Free => None,
-        Run::Sliding { link } | Run::Tied { link, .. } => {
-            Some(pieces(&work.nodes, params.nodes, link, &work.eyelet))
-        }
+        Run::Sliding { link } | Run::Tied { link, .. } => Some(pieces(&work.nodes, params.nodes, link, &work.eyelet)),
     };
     let mut front = Front::default();
     let last = params.nodes - 1;
@@ -311,12 +278,8 @@ fn own(params: &Params, state: &State, work: &Work, index: usize, front: &mut Fr
 /// Link `index` at the iterate.
 fn at(params: &Params, work: &Work, index: usize, slack: f32) -> Link {
     match (work.run, &work.pieces) {
-        (Run::Sliding { link }, Some(pieces)) if link == index => {
-            link::sliding(params, pieces, slack)
-        }
-        (Run::Tied { link, rest }, Some(pieces)) if link == index => {
-            link::tied(params, pieces, rest)
-        }
+        (Run::Sliding { link }, Some(pieces)) if link == index => link::sliding(params, pieces, slack),
+        (Run::Tied { link, rest }, Some(pieces)) if link == index => link::tied(params, pieces, rest),
         _ => match (work.nodes.get(index), work.nodes.get(index + 1)) {
             (Some(a), Some(b)) => link::plain(params, a.to(b), slack),
             _ => Link::default(),
@@ -379,8 +342,6 @@ fn react(params: &Params, work: &mut Work) {
     };
     let all = work.reaction.iter_mut().zip(&work.touch).zip(&work.nodes);
     for ((reaction, touch), node) in all.take(params.nodes) {
-        *reaction = touch.map_or_else(Vec3::zeros, |touch| {
-            touch.normal * (-penalty * touch.depth(node.fine))
-        });
+        *reaction = touch.map_or_else(Vec3::zeros, |touch| touch.normal * (-penalty * touch.depth(node.fine)));
     }
 }

@@ -130,8 +130,7 @@ impl State {
         let Run::Sliding { link } = self.run else {
             return;
         };
-        let (Some(eyelet), Some(near), Some(far)) =
-            (self.eyelet, self.nodes.get(link), self.nodes.get(link + 1))
+        let (Some(eyelet), Some(near), Some(far)) = (self.eyelet, self.nodes.get(link), self.nodes.get(link + 1))
         else {
             return;
         };

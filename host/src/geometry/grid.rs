@@ -29,9 +29,7 @@ pub enum GridError {
         pitch: f64,
     },
     /// More cells than [`CELLS_MAX`].
-    #[error(
-        "pitch {pitch} mm gives {cells:.3e} cells, at most {CELLS_MAX} are possible: use {fits} mm or more"
-    )]
+    #[error("pitch {pitch} mm gives {cells:.3e} cells, at most {CELLS_MAX} are possible: use {fits} mm or more")]
     TooLarge {
         /// The pitch asked for [mm].
         pitch: f64,
@@ -95,8 +93,7 @@ impl Grid {
     #[must_use]
     pub fn centres_below(&self, axis: usize, coordinate: f64) -> usize {
         // A float to integer cast saturates, so that far outside becomes none or all.
-        (((coordinate - self.origin[axis]) / self.pitch - 0.5).ceil() as usize)
-            .min(self.cells[axis])
+        (((coordinate - self.origin[axis]) / self.pitch - 0.5).ceil() as usize).min(self.cells[axis])
     }
 }
 
@@ -130,11 +127,7 @@ mod tests {
 
     #[test]
     fn cells_cover_the_box_and_nearly_whole_quotients_are_whole() {
-        let grid = |extent, pitch| {
-            Grid::covering([Vec3::zeros(), extent], pitch)
-                .unwrap()
-                .cells
-        };
+        let grid = |extent, pitch| Grid::covering([Vec3::zeros(), extent], pitch).unwrap().cells;
         assert_eq!(grid(Vec3::new(10.0, 10.0 + 1e-7, 10.1), 1.0), [10, 10, 11]);
         assert_eq!(grid(Vec3::new(0.3, 0.0, 0.05), 0.1), [3, 1, 1]);
     }
@@ -169,10 +162,7 @@ mod tests {
         assert!((cells - 1e15).abs() < 1.0);
         assert!(Grid::covering(bounds, fits).is_ok() && fits < 1.5);
         for pitch in [0.0, -1.0, f64::NAN, f64::INFINITY] {
-            assert!(matches!(
-                Grid::covering(bounds, pitch),
-                Err(GridError::Pitch { .. })
-            ));
+            assert!(matches!(Grid::covering(bounds, pitch), Err(GridError::Pitch { .. })));
         }
     }
 

@@ -54,10 +54,7 @@ impl fmt::Display for Flaw {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Degenerate { count, first } => {
-                write!(
-                    f,
-                    "triangle {first}: two equal corners, left out ({count} such)"
-                )
+                write!(f, "triangle {first}: two equal corners, left out ({count} such)")
             }
             Self::Duplicate { count, first } => {
                 write!(f, "triangle {first}: a repetition, left out ({count} such)")
@@ -133,9 +130,7 @@ impl Mesh {
 
     /// The three corners of each triangle.
     pub fn corners(&self) -> impl Iterator<Item = [Vec3; 3]> {
-        self.triangles
-            .iter()
-            .map(|t| t.map(|v| self.vertices[v as usize]))
+        self.triangles.iter().map(|t| t.map(|v| self.vertices[v as usize]))
     }
 
     /// The same surface with every point moved by `f`, which must keep orientation (no mirror).
@@ -156,20 +151,16 @@ impl Mesh {
     /// Smallest and largest corner of the box around the used points; `None` without triangles.
     #[must_use]
     pub fn bounds(&self) -> Option<[Vec3; 2]> {
-        self.corners()
-            .flatten()
-            .fold(None, |bounds, p| match bounds {
-                None => Some([p, p]),
-                Some([low, high]) => Some([low.inf(&p), high.sup(&p)]),
-            })
+        self.corners().flatten().fold(None, |bounds, p| match bounds {
+            None => Some([p, p]),
+            Some([low, high]) => Some([low.inf(&p), high.sup(&p)]),
+        })
     }
 
     /// Volume inside, positive where triangles face outwards [cubed units of the vertices]: Σ a·(b × c)/6, about the middle of its box.
     #[must_use]
     pub fn signed_volume(&self) -> f64 {
-        let from = self
-            .bounds()
-            .map_or_else(Vec3::zeros, |[low, high]| (low + high) / 2.0);
+        let from = self.bounds().map_or_else(Vec3::zeros, |[low, high]| (low + high) / 2.0);
         self.corners()
             .map(|[a, b, c]| (a - from).dot(&(b - from).cross(&(c - from))) / 6.0)
             .sum()
@@ -207,10 +198,7 @@ impl Mesh {
         for bucket in start.windows(2) {
             let first_of_bucket = open.len();
             for &[a, b] in &sorted[bucket[0] as usize..bucket[1] as usize] {
-                match open[first_of_bucket..]
-                    .iter()
-                    .position(|&edge| edge == [b, a])
-                {
+                match open[first_of_bucket..].iter().position(|&edge| edge == [b, a]) {
                     Some(opposite) => drop(open.swap_remove(first_of_bucket + opposite)),
                     None => open.push([a, b]),
                 }
@@ -220,9 +208,7 @@ impl Mesh {
     }
 
     fn directed_edges(&self) -> impl Iterator<Item = [u32; 2]> {
-        self.triangles
-            .iter()
-            .flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]])
+        self.triangles.iter().flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]])
     }
 
     /// What is wrong with the surface as a whole: open edges, orientation, rounding.

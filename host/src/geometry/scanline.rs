@@ -88,10 +88,7 @@ fn cross(corners: &[Vec3; 3], grid: &Grid, found: &mut Vec<Crossing>) {
 /// (y, x) of an edge at a height between its ends.
 fn at_height(low: Vec3, high: Vec3, z: f64) -> [f64; 2] {
     let part = ((z - low.z) / (high.z - low.z)).clamp(0.0, 1.0);
-    [
-        low.y + part * (high.y - low.y),
-        low.x + part * (high.x - low.x),
-    ]
+    [low.y + part * (high.y - low.y), low.x + part * (high.x - low.x)]
 }
 
 /// Counting sort by row, then by cell within a row, where crossings are few.
@@ -166,11 +163,7 @@ mod tests {
         };
         let crossings = crossings(cube.corners(), &grid);
         for row in crossings.crossed_rows() {
-            let cells: Vec<_> = crossings
-                .row(row)
-                .iter()
-                .map(|c| (c.cell, c.step))
-                .collect();
+            let cells: Vec<_> = crossings.row(row).iter().map(|c| (c.cell, c.step)).collect();
             assert_eq!(cells, [(0, 1), (3, -1)]);
         }
         assert_eq!(crossings.crossed_rows().count(), 9);

@@ -273,9 +273,7 @@ fn is_text(bytes: &[u8]) -> bool {
         .strip_prefix(ascii::BYTE_ORDER_MARK)
         .unwrap_or(head)
         .trim_ascii_start();
-    let says_solid = word
-        .get(..5)
-        .is_some_and(|w| w.eq_ignore_ascii_case(b"solid"));
+    let says_solid = word.get(..5).is_some_and(|w| w.eq_ignore_ascii_case(b"solid"));
     let control = |&b: &u8| b < b' ' && !b.is_ascii_whitespace();
     says_solid && !binary::has_counted_length(bytes) && !head.iter().any(control)
 }

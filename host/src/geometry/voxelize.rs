@@ -30,10 +30,7 @@ pub fn inside(mesh: &Mesh, grid: &Grid) -> Inside {
     let mut mask = vec![0; grid.len()];
     let caps = Caps::of(mesh);
     let closing = crossings(caps.triangles(), grid);
-    let shreds = caps.edges()
-        > SHREDS
-            .0
-            .max((SHREDS.1 * mesh.triangles.len() as f64) as usize);
+    let shreds = caps.edges() > SHREDS.0.max((SHREDS.1 * mesh.triangles.len() as f64) as usize);
     let mut unbalanced_rows = 0;
     for (row, cells) in mask.chunks_exact_mut(grid.cells[0]).enumerate() {
         let steps = surface.row(row);
@@ -45,10 +42,7 @@ pub fn inside(mesh: &Mesh, grid: &Grid) -> Inside {
             fill_by_winding(row, [&surface, &closing], (&caps, grid), cells);
         }
     }
-    Inside {
-        mask,
-        unbalanced_rows,
-    }
+    Inside { mask, unbalanced_rows }
 }
 
 /// The cells of `grid` between signed crossings, holes or not: what [`inside`] costs without looking for holes.
@@ -72,12 +66,7 @@ fn fill(steps: &[Crossing], cells: &mut [u8]) {
     }
 }
 
-fn fill_by_winding(
-    row: usize,
-    chains: [&Crossings; 2],
-    (caps, grid): (&Caps, &Grid),
-    cells: &mut [u8],
-) {
+fn fill_by_winding(row: usize, chains: [&Crossings; 2], (caps, grid): (&Caps, &Grid), cells: &mut [u8]) {
     let [mut surface, mut closing] = chains.map(|chain| chain.row(row).iter().peekable());
     let (j, k) = (row % grid.cells[1], row / grid.cells[1]);
     let (mut closed, mut answer, mut holds_to) = (0, false, f64::NEG_INFINITY);
@@ -128,17 +117,11 @@ mod tests {
                 crossings(open.corners(), &grid),
                 crossings(Caps::of(&open).triangles(), &grid),
             );
-            for row in
-                (0..400).filter(|&row| !caps.row(row).is_empty() || surface.row(row).len() % 2 == 1)
-            {
+            for row in (0..400).filter(|&row| !caps.row(row).is_empty() || surface.row(row).len() % 2 == 1) {
                 for i in 0..20 {
                     let cell = [i, row % 20, row / 20];
                     let expected = u8::from(direct(&open, grid.centre(cell)).abs() > 0.5);
-                    assert_eq!(
-                        filled.mask[grid.index(cell)],
-                        expected,
-                        "hole {hole:?}, cell {cell:?}"
-                    );
+                    assert_eq!(filled.mask[grid.index(cell)], expected, "hole {hole:?}, cell {cell:?}");
                 }
             }
         }

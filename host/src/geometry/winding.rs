@@ -263,10 +263,7 @@ pub(crate) mod tests {
 
     /// Winding number of a surface by the sum over all its triangles: the definition.
     pub(crate) fn direct(mesh: &Mesh, point: Vec3) -> f64 {
-        mesh.corners()
-            .map(|t| half_angle(t.map(|p| p - point)))
-            .sum::<f64>()
-            / (2.0 * PI)
+        mesh.corners().map(|t| half_angle(t.map(|p| p - point))).sum::<f64>() / (2.0 * PI)
     }
 
     fn half_angle(triangle: [Vec3; 3]) -> f64 {
@@ -306,20 +303,14 @@ pub(crate) mod tests {
         let caps = Caps::of(&open);
         let mut seed = 1_u64;
         let mut random = || {
-            seed = seed
-                .wrapping_mul(6364136223846793005)
-                .wrapping_add(1442695040888963407);
+            seed = seed.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
             (seed >> 40) as f64 / (1 << 24) as f64 * 4.0 - 1.5
         };
         for _ in 0..2000 {
             let point = Vec3::new(random(), random(), random());
             let whole = direct(&open, point) + caps.sum(point, 0.0).winding;
             let expected = direct(&open, point).abs() > 0.5;
-            assert_eq!(
-                caps.inside(whole.round() as i32, point).0,
-                expected,
-                "{point:?}"
-            );
+            assert_eq!(caps.inside(whole.round() as i32, point).0, expected, "{point:?}");
         }
     }
 

@@ -49,7 +49,7 @@ fn imports_of(source: &Source, path: &[&str]) -> Vec<Violation> {
             "this module has no floor in the table of tests/src/tidy/layers.rs",
         )];
     };
-    let code = text::code(text::before_tests(&source.text));
+    let code = text::code(source.shipped());
     let judge = |(at, name): (usize, &str)| {
         let what = match floor_of(name) {
             _ if name == module => return None,

@@ -21,9 +21,7 @@ pub(super) fn nylon(nodes: u16, link_m: f32) -> scene::Thread {
 }
 
 pub(super) fn params(nodes: u16, link_m: f32, effects: &[Effect]) -> Params {
-    let effects = effects
-        .iter()
-        .fold(Effects::default(), |all, effect| all.with(*effect));
+    let effects = effects.iter().fold(Effects::default(), |all, effect| all.with(*effect));
     build(&nylon(nodes, link_m), 500.0, effects).unwrap()
 }
 
@@ -73,13 +71,7 @@ impl Tissue {
     }
 
     /// A backward Euler step together with the thread, as the tissue's solver makes it.
-    pub(super) fn tick(
-        &mut self,
-        params: &Params,
-        thread: &mut Thread,
-        swage: Vec3,
-        ground: &impl Ground,
-    ) -> Pull {
+    pub(super) fn tick(&mut self, params: &Params, thread: &mut Thread, swage: Vec3, ground: &impl Ground) -> Pull {
         let Thread { state, work } = thread;
         let predicted = [0, 1].map(|i| self.at[i] + self.velocity[i] * DT);
         let inertia = self.mass / (DT * DT);
@@ -106,13 +98,7 @@ impl Tissue {
             }
         }
         let solved = reference::solve(matrix, right);
-        let moved = [0, 1].map(|i| {
-            Vec3::new(
-                solved[3 * i] as f32,
-                solved[3 * i + 1] as f32,
-                solved[3 * i + 2] as f32,
-            )
-        });
+        let moved = [0, 1].map(|i| Vec3::new(solved[3 * i] as f32, solved[3 * i + 1] as f32, solved[3 * i + 2] as f32));
         for i in 0..2 {
             let new = predicted[i] + moved[i];
             self.velocity[i] = (new - self.at[i]) / DT;

@@ -15,9 +15,7 @@ fn norm(a: V) -> f64 {
 pub(super) fn solve(mut a: Vec<Vec<f64>>, mut b: Vec<f64>) -> Vec<f64> {
     let n = b.len();
     for k in 0..n {
-        let pivot = (k..n)
-            .max_by(|i, j| a[*i][k].abs().total_cmp(&a[*j][k].abs()))
-            .unwrap();
+        let pivot = (k..n).max_by(|i, j| a[*i][k].abs().total_cmp(&a[*j][k].abs())).unwrap();
         a.swap(k, pivot);
         b.swap(k, pivot);
         for i in k + 1..n {
@@ -107,22 +105,14 @@ impl Monolith {
     }
 
     fn elongation(&self, x: &[V], k: usize) -> f64 {
-        self.legs(k)
-            .iter()
-            .map(|(a, b)| norm(sub(x[*a], x[*b])))
-            .sum::<f64>()
-            - self.rest
+        self.legs(k).iter().map(|(a, b)| norm(sub(x[*a], x[*b]))).sum::<f64>() - self.rest
     }
 
     /// Springs to fixed places: inertia, tissue, the swage. (point, stiffness, from the place)
     fn springs(&self, x: &[V], swage: V) -> Vec<(usize, f64, V)> {
         let mut all = vec![(0, self.coupling, sub(x[0], swage))];
         for (i, rest) in self.tissue_rest.iter().enumerate() {
-            all.push((
-                self.links + i,
-                self.tissue_stiffness,
-                sub(x[self.links + i], *rest),
-            ));
+            all.push((self.links + i, self.tissue_stiffness, sub(x[self.links + i], *rest)));
         }
         all.extend(x.iter().enumerate().map(|(i, p)| {
             let (m, coast) = self.inertia(i);
@@ -165,8 +155,7 @@ impl Monolith {
                     gradient[3 * b + r] -= d[r] / l;
                 }
                 let unit = |r: usize, c: usize| if r == c { 1.0 } else { 0.0 };
-                let block = [0, 1, 2]
-                    .map(|r| [0, 1, 2].map(|c| tension / l * (unit(r, c) - d[r] * d[c] / (l * l))));
+                let block = [0, 1, 2].map(|r| [0, 1, 2].map(|c| tension / l * (unit(r, c) - d[r] * d[c] / (l * l))));
                 system.bend(a, b, &block);
             }
             let touched: Vec<usize> = (0..n).filter(|i| gradient[*i] != 0.0).collect();
@@ -195,12 +184,9 @@ impl Monolith {
             let before = self.energy(&x, swage);
             let mut scale = 1.0;
             loop {
-                let step =
-                    |(i, p): (usize, &V)| [0, 1, 2].map(|r| p[r] + scale * slope_step[3 * i + r]);
+                let step = |(i, p): (usize, &V)| [0, 1, 2].map(|r| p[r] + scale * slope_step[3 * i + r]);
                 let trial: Vec<V> = x.iter().enumerate().map(step).collect();
-                if self.energy(&trial, swage) <= before - 1e-4 * scale * slope + 1e-18
-                    || scale < 1e-6
-                {
+                if self.energy(&trial, swage) <= before - 1e-4 * scale * slope + 1e-18 || scale < 1e-6 {
                     x = trial;
                     break;
                 }
@@ -216,11 +202,7 @@ impl Monolith {
         if let (Some(old), Some(new)) = (self.through, through)
             && old != new
         {
-            let (node, towards) = if new > old {
-                (new, old)
-            } else {
-                (old, old + 1)
-            };
+            let (node, towards) = if new > old { (new, old) } else { (old, old + 1) };
             let eyelet = x[self.links + 1];
             let d = sub(x[towards], eyelet);
             x[node] = [0, 1, 2].map(|r| eyelet[r] + 2e-4 * d[r] / norm(d));
@@ -233,9 +215,7 @@ impl Monolith {
     pub(super) fn tick(&mut self, swage: V) -> (V, f64) {
         let candidates = match self.through {
             None => vec![None],
-            Some(k) => (k.saturating_sub(1)..=(k + 1).min(self.links - 1))
-                .map(Some)
-                .collect(),
+            Some(k) => (k.saturating_sub(1)..=(k + 1).min(self.links - 1)).map(Some).collect(),
         };
         let tried = candidates.into_iter().map(|through| {
             let trial = Self {
@@ -250,9 +230,6 @@ impl Monolith {
         self.v = x.iter().zip(&self.x).map(velocity).collect();
         self.x = x;
         self.through = through;
-        (
-            [0, 1, 2].map(|r| self.coupling * (self.x[0][r] - swage[r])),
-            left,
-        )
+        ([0, 1, 2].map(|r| self.coupling * (self.x[0][r] - swage[r])), left)
     }
 }

@@ -69,12 +69,7 @@ pub(super) fn parse(bytes: &[u8]) -> Result<Soup, Fault> {
 }
 
 impl Reader {
-    fn line<'a>(
-        &mut self,
-        line: usize,
-        word: &str,
-        rest: impl Iterator<Item = &'a str>,
-    ) -> Result<(), Fault> {
+    fn line<'a>(&mut self, line: usize, word: &str, rest: impl Iterator<Item = &'a str>) -> Result<(), Fault> {
         let misplaced = |expected| {
             Err(Fault::Misplaced {
                 line,
@@ -199,11 +194,7 @@ fn number(word: &str) -> Option<f64> {
 /// A word as a message shows it: short, and on one line.
 fn shown(word: &str) -> String {
     const LIMIT: usize = 24;
-    let mut shown: String = word
-        .chars()
-        .filter(|c| !c.is_control())
-        .take(LIMIT)
-        .collect();
+    let mut shown: String = word.chars().filter(|c| !c.is_control()).take(LIMIT).collect();
     if word.chars().count() > LIMIT {
         shown.push('…');
     }

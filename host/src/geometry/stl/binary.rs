@@ -56,11 +56,7 @@ pub(super) fn parse(bytes: &[u8]) -> Result<Soup, Fault> {
         if points.iter().flatten().all(|c| c.is_finite()) {
             corners.push(points);
         } else {
-            first = if bad == 0 {
-                HEADER + index * TRIANGLE
-            } else {
-                first
-            };
+            first = if bad == 0 { HEADER + index * TRIANGLE } else { first };
             bad += 1;
         }
     }
@@ -87,10 +83,7 @@ pub fn encode(mesh: &Mesh) -> Vec<u8> {
     bytes.resize(COUNT_AT, 0);
     bytes.extend((mesh.triangles.len() as u32).to_le_bytes());
     for [a, b, c] in mesh.corners() {
-        let normal = (b - a)
-            .cross(&(c - a))
-            .try_normalize(0.0)
-            .unwrap_or_default();
+        let normal = (b - a).cross(&(c - a)).try_normalize(0.0).unwrap_or_default();
         for component in [normal, a, b, c].iter().flatten() {
             bytes.extend((*component as f32).to_le_bytes());
         }
