@@ -36,6 +36,13 @@ impl Source {
             .extension()
             .is_some_and(|extension| extension == "rs")
     }
+
+    /// Its code without what is only built for tests; empty for a file of tests.
+    #[must_use]
+    pub fn shipped(&self) -> &str {
+        let tests = self.path.split('/').any(|part| part == "tests" || part == "tests.rs");
+        if tests { "" } else { text::before_tests(&self.text) }
+    }
 }
 
 /// One place that breaks a rule.
