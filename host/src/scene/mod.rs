@@ -1,0 +1,76 @@
+//! Scenes: from a TOML file to what the controller takes.
+//!
+//! | module | what it gives |
+//! |---|---|
+//! | [`source`] | the text, and errors with file and line |
+//! | [`file`] | the keys, typed |
+//! | [`check`] | allowed ranges, effects and their keys |
+//! | [`plan`] | the checked scene |
+//! | [`operator`] | the hand's script |
+
+pub mod check;
+pub mod file;
+pub mod operator;
+pub mod plan;
+pub mod source;
+
+use std::path::{Path, PathBuf};
+
+pub use plan::Plan;
+pub use source::{Error, Source};
+
+/// The scene that `sutura run` takes where none is named: one stitch in a generated forearm.
+pub const BUILT_IN: &str = include_str!("../../scenes/stitch.toml");
+
+/// A scene file, or the built-in scene, checked; its mesh paths are made relative to its folder.
+///
+/// # Errors
+/// The file cannot be read, or something in it is wrong: one line with file, line, key, value and what would be right.
+pub fn load(path: Option<&Path>) -> Result<Plan, Error> {
+    let source = match path {
+        Some(path) => Source::read(path)?,
+        None => Source {
+            name: "built-in scene".to_owned(),
+            text: BUILT_IN.to_owned(),
+        },
+    };
+    let mut plan = check::check(&source, &source.parse()?)?;
+    let folder = path.and_then(Path::parent).unwrap_or(Path::new(""));
+    for mesh in plan.tissues.iter_mut().filter_map(|tissue| tissue.mesh.as_mut()) {
+        mesh.path = folder.join(&mesh.path);
+    }
+    Ok(plan)
+}
+
+/// Gives tissues other meshes: `--mesh TISSUE=PATH`. Units and transform stay as the scene has them.
+///
+/// # Errors
+/// The scene has no such tissue.
+pub fn replace_meshes(plan: &mut Plan, meshes: &[(String, PathBuf)]) -> Result<(), Error> {
+    let known = plan
+        .tissues
+        .iter()
+        .map(|tissue| tissue.name.as_str())
+        .collect::<Vec<_>>()
+        .join(", ");
+    for (name, path) in meshes {
+        let Some(tissue) = plan.tissues.iter_mut().find(|tissue| tissue.name == *name) else {
+            return Err(Error::NoTissue {
+                tissue: name.clone(),
+                path: path.clone(),
+                known,
+            });
+        };
+        match &mut tissue.mesh {
+            Some(mesh) => mesh.path.clone_from(path),
+            None => {
+                tissue.mesh = Some(file::Mesh {
+                    path: path.clone(),
+                    units: Default::default(),
+                    transform: None,
+                })
+            }
+        }
+    }
+    Ok(())
+}
