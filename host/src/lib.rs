@@ -2,4 +2,5 @@
 #![forbid(unsafe_code)]
 
 pub mod geometry;
+pub mod scene;
 pub mod voxelize;
