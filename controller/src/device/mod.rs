@@ -1,5 +1,7 @@
 //! The hand's side: a force-feedback arm, real or simulated.
 
+pub mod sim;
+
 use crate::record::{Output, Sample};
 
 /// A force-feedback device: two calls a tick.
