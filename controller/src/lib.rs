@@ -5,9 +5,15 @@
 #![cfg_attr(not(any(test, feature = "std")), no_std)]
 #![forbid(unsafe_code)]
 
+pub mod coupling;
 pub mod device;
 pub mod event;
+pub mod lattice;
+pub mod law;
 pub mod math;
+pub mod needle;
 pub mod record;
 pub mod safety;
+pub mod solver;
 pub mod thread;
+pub mod tissue;

@@ -1,0 +1,140 @@
+//! Where tool and thread hold the tissue: weighted points of the lattice, and what pulls on them.
+//!
+//! Needle and thread are condensed onto these points: together they answer a displacement of the points with
+//! F = f − S·u, S symmetric and positive semidefinite. The tissue's solver adds WᵀSW to its operator and WᵀF to its load,
+//! so both sides are solved at once and nothing is handed back and forth.
+
+use crate::lattice::{Field, add, at};
+use crate::math::{Mat3, Vec3};
+
+/// Points of one stitch.
+pub const POINTS: usize = 3;
+/// The thread's tail.
+pub const TAIL: usize = 0;
+/// The left puncture, and whatever a tool without puncture touches.
+pub const LEFT: usize = 1;
+/// The right puncture.
+pub const RIGHT: usize = 2;
+/// Nodes of one kernel.
+pub const KERNEL_MAX: usize = 32;
+
+/// A weighted mean of lattice nodes: the material point that a tool or thread holds.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Kernel {
+    nodes: [u32; KERNEL_MAX],
+    weights: [f32; KERNEL_MAX],
+    len: usize,
+}
+
+impl Default for Kernel {
+    fn default() -> Self {
+        Self {
+            nodes: [0; KERNEL_MAX],
+            weights: [0.0; KERNEL_MAX],
+            len: 0,
+        }
+    }
+}
+
+impl Kernel {
+    /// Adds a node; one more than [`KERNEL_MAX`] is left out.
+    pub fn push(&mut self, node: u32, weight: f32) {
+        if let (Some(n), Some(w)) = (self.nodes.get_mut(self.len), self.weights.get_mut(self.len)) {
+            (*n, *w) = (node, weight);
+            self.len += 1;
+        }
+    }
+
+    /// The same with weights that sum to one.
+    #[must_use]
+    pub fn normalised(mut self) -> Self {
+        let sum: f32 = self.weights.iter().sum();
+        if sum > 0.0 {
+            self.weights.iter_mut().for_each(|w| *w /= sum);
+        }
+        self
+    }
+
+    /// Whether it holds no node.
+    #[must_use]
+    pub const fn is_empty(&self) -> bool {
+        self.len == 0
+    }
+
+    /// Nodes and weights.
+    pub fn iter(&self) -> impl Iterator<Item = (usize, f32)> + '_ {
+        let pairs = self.nodes.iter().zip(&self.weights).take(self.len);
+        pairs.map(|(node, weight)| (*node as usize, *weight))
+    }
+
+    /// The weighted mean of a field.
+    #[must_use]
+    pub fn gather<const N: usize>(&self, field: &Field<N>) -> Vec3 {
+        self.iter().map(|(node, w)| at(field, node) * w).sum()
+    }
+
+    /// Spreads a vector over the nodes: the transpose of [`Self::gather`].
+    pub fn scatter<const N: usize>(&self, v: Vec3, field: &mut Field<N>) {
+        for (node, w) in self.iter() {
+            add(field, node, v * w);
+        }
+    }
+}
+
+/// What needle and thread do to the points in one tick.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Coupling {
+    /// The points; an empty kernel takes no part.
+    pub kernels: [Kernel; POINTS],
+    /// Force on each point at its predicted place [N].
+    pub force: [Vec3; POINTS],
+    /// S by point and point [N/m].
+    pub stiffness: [[Mat3; POINTS]; POINTS],
+}
+
+impl Default for Coupling {
+    fn default() -> Self {
+        Self {
+            kernels: [Kernel::default(); POINTS],
+            force: [Vec3::zeros(); POINTS],
+            stiffness: [[Mat3::zeros(); POINTS]; POINTS],
+        }
+    }
+}
+
+impl Coupling {
+    /// Whether nothing holds the tissue.
+    #[must_use]
+    pub fn is_idle(&self) -> bool {
+        self.stiffness.iter().flatten().all(|s| *s == Mat3::zeros())
+    }
+
+    /// Weighted means of a field at the points.
+    #[must_use]
+    pub fn gather<const N: usize>(&self, field: &Field<N>) -> [Vec3; POINTS] {
+        core::array::from_fn(|p| self.kernels.get(p).map_or_else(Vec3::zeros, |k| k.gather(field)))
+    }
+
+    /// Spreads vectors at the points over their nodes.
+    pub fn scatter<const N: usize>(&self, v: &[Vec3; POINTS], field: &mut Field<N>) {
+        for (kernel, v) in self.kernels.iter().zip(v) {
+            kernel.scatter(*v, field);
+        }
+    }
+
+    /// S·u.
+    #[must_use]
+    pub fn product(&self, u: &[Vec3; POINTS]) -> [Vec3; POINTS] {
+        product(&self.stiffness, u)
+    }
+}
+
+/// A symmetric block matrix over the points times vectors at the points.
+#[must_use]
+pub fn product(blocks: &[[Mat3; POINTS]; POINTS], u: &[Vec3; POINTS]) -> [Vec3; POINTS] {
+    core::array::from_fn(|p| {
+        blocks
+            .get(p)
+            .map_or_else(Vec3::zeros, |row| row.iter().zip(u).map(|(s, u)| s * u).sum())
+    })
+}

@@ -1,0 +1,162 @@
+//! The patch: a regular lattice of mass points in structures of arrays.
+//!
+//! Node (i, j, k) has index (k·ny + j)·nx + i. A spring belongs to its lower node and to one of seven directions: its
+//! other node is a fixed [`Lattice::offsets`] further, so each direction is one contiguous pass and needs no index list.
+//! Where there is no spring, its stiffness is zero.
+//!
+//! All arrays have capacity `N` and are zero at first: memory that is all zeros is a valid empty lattice, so it is made in place
+//! (zeroed pages on a PC, `.bss` on a microcontroller) and never on the stack.
+
+use crate::math::{Vec3, sqrt};
+use bytemuck::Zeroable;
+
+/// Spring directions: three edges, then four body diagonals.
+pub const DIRECTIONS: usize = 7;
+/// Steps of each direction along x, y, z.
+pub const STEPS: [[i32; 3]; DIRECTIONS] = [
+    [1, 0, 0],
+    [0, 1, 0],
+    [0, 0, 1],
+    [1, 1, 1],
+    [-1, 1, 1],
+    [1, -1, 1],
+    [-1, -1, 1],
+];
+/// Edges come first among the directions.
+pub const EDGES: usize = 3;
+/// Stress–strain curves that may meet in one spring.
+pub const CURVES: usize = 3;
+
+/// Nodes a pass may reach past the last spring.
+pub const PASS: u32 = 64;
+/// Array length of the PC's patch: holds 24 × 24 × 12 nodes.
+pub const PC_NODES: usize = Lattice::<0>::guard([24, 24, 12]) as usize;
+
+/// A vector at every node: x, y and z apart, shape `[3][N]`.
+pub type Field<const N: usize> = [[f32; N]; 3];
+
+/// What does not change while the scene runs.
+#[derive(Clone, Debug, PartialEq, Zeroable)]
+#[repr(C)]
+pub struct Lattice<const N: usize> {
+    /// Nodes along x, y, z.
+    pub nodes: [u32; 3],
+    /// Voxel edge a [m].
+    pub pitch: f32,
+    /// Node (0, 0, 0) at rest, patch frame [m].
+    pub origin: [f32; 3],
+    /// Curves in use.
+    pub curves: u32,
+    /// ρa³/8 from each voxel around the node [kg]; zero where there is no node.
+    pub mass: [f32; N],
+    /// 1 where the node moves, 0 where it is held or absent.
+    pub free: [f32; N],
+    /// First-slope stiffness by curve, direction and lower node [N/m].
+    pub stiffness: [[[f32; N]; DIRECTIONS]; CURVES],
+    /// By column i + nx·j: 1 + index of its highest node, 0 for an empty column.
+    pub top: [u32; N],
+}
+
+/// What changes: the tissue's state.
+#[derive(Clone, Debug, PartialEq, Zeroable)]
+#[repr(C)]
+pub struct Tissue<const N: usize> {
+    /// Displacement from rest [m]; small numbers keep the digits that positions would lose.
+    pub displacement: Field<N>,
+    /// Velocity [m/s].
+    pub velocity: Field<N>,
+}
+
+impl<const N: usize> Lattice<N> {
+    /// Nodes of the whole box, existing or not.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        let [nx, ny, nz] = self.nodes;
+        ((nx * ny * nz) as usize).min(N)
+    }
+
+    /// Whether no scene is loaded.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// Array length that a lattice of these nodes needs: passes read and write whole blocks past the last node.
+    #[must_use]
+    pub const fn guard([nx, ny, nz]: [u32; 3]) -> u32 {
+        nx * ny * nz + nx * ny + nx + 1 + PASS
+    }
+
+    /// Index distance from the lower node of a spring to the other, by direction.
+    #[must_use]
+    pub fn offsets(&self) -> [usize; DIRECTIONS] {
+        let [nx, ny, _] = self.nodes;
+        let (row, layer) = (nx as i32, (nx * ny) as i32);
+        STEPS.map(|[x, y, z]| (x + y * row + z * layer).unsigned_abs() as usize)
+    }
+
+    /// Rest vectors by direction [m].
+    #[must_use]
+    pub fn rest(&self) -> [[f32; 3]; DIRECTIONS] {
+        STEPS.map(|step| step.map(|s| s as f32 * self.pitch))
+    }
+
+    /// Rest lengths by direction [m].
+    #[must_use]
+    pub fn rest_lengths(&self) -> [f32; DIRECTIONS] {
+        STEPS.map(|[x, y, z]| sqrt((x * x + y * y + z * z) as f32) * self.pitch)
+    }
+
+    /// Index of node (i, j, k).
+    #[must_use]
+    pub const fn index(&self, [i, j, k]: [u32; 3]) -> usize {
+        let [nx, ny, _] = self.nodes;
+        ((k * ny + j) * nx + i) as usize
+    }
+
+    /// Place of a node at rest, patch frame [m].
+    #[must_use]
+    pub fn rest_place(&self, index: usize) -> Vec3 {
+        let [nx, ny, _] = self.nodes.map(|n| (n as usize).max(1));
+        let at = [index % nx, index / nx % ny, index / (nx * ny)];
+        let [x, y, z] = self.origin;
+        let [i, j, k] = at.map(|n| n as f32 * self.pitch);
+        Vec3::new(x + i, y + j, z + k)
+    }
+
+    /// Place of a node now, patch frame [m].
+    #[must_use]
+    pub fn place(&self, tissue: &Tissue<N>, index: usize) -> Vec3 {
+        self.rest_place(index) + at(&tissue.displacement, index)
+    }
+
+    /// Index of the highest node of column (i, j), if there is one.
+    #[must_use]
+    pub fn top(&self, i: u32, j: u32) -> Option<usize> {
+        let [nx, ny, _] = self.nodes;
+        if i >= nx || j >= ny {
+            return None;
+        }
+        let stored = *self.top.get((j * nx + i) as usize)?;
+        (stored as usize).checked_sub(1)
+    }
+}
+
+/// The vector of a field at one node; zero beyond its end.
+#[inline]
+#[must_use]
+pub fn at<const N: usize>(field: &Field<N>, index: usize) -> Vec3 {
+    let [x, y, z] = field;
+    let get = |c: &[f32; N]| c.get(index).copied().unwrap_or(0.0);
+    Vec3::new(get(x), get(y), get(z))
+}
+
+/// Adds a vector to a field at one node; nothing beyond its end.
+#[inline]
+pub fn add<const N: usize>(field: &mut Field<N>, index: usize, v: Vec3) {
+    for (component, add) in field.iter_mut().zip(v.iter()) {
+        if let Some(x) = component.get_mut(index) {
+            *x += add;
+        }
+    }
+}

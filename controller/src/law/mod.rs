@@ -1,0 +1,41 @@
+//! What a spring is: stiffness from Young's modulus (Lian & Chen Eqs 1–6) and the piecewise-linear
+//! stress–strain curve (Lian & Chen Fig. 3).
+//!
+//! A voxel of edge a owns its springs: twelve edges of k_n/4 each and four body diagonals of k_d each. Summed over
+//! voxels this gives a block of any size the bulk's moduli exactly, and tissues side by side their own.
+//! Of a lattice so assembled C11 = (k_n + 4k_d/3)/a and C12 = C44 = 4k_d/(3a).
+
+mod curve;
+
+pub use curve::{Breaks, Curve};
+
+use sutura_shared::scene::Law;
+
+/// Stiffness of edges k_n and of body diagonals k_d of one voxel over E·a, no unit.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Stiffness {
+    /// All edges along one axis together, over E a.
+    pub edge: f32,
+    /// One body diagonal, over E a.
+    pub diagonal: f32,
+}
+
+/// The stiffness a law gives.
+#[must_use]
+pub const fn stiffness(law: Law) -> Stiffness {
+    match law {
+        Law::Isotropic => Stiffness {
+            edge: 0.8,
+            diagonal: 0.3,
+        },
+        // √(2/3) makes E₁₀₀ = E where k_d gives G = E/3.
+        Law::Axial => Stiffness {
+            edge: 0.816_496_6,
+            diagonal: 0.25,
+        },
+        Law::Paper => Stiffness {
+            edge: 0.45,
+            diagonal: 0.25,
+        },
+    }
+}

@@ -1,0 +1,75 @@
+//! How the stiff spring system is advanced by one tick: one file per method, one trait.
+
+mod assembly;
+mod blocks;
+mod be_pcg;
+mod operator;
+mod reduce;
+
+pub use be_pcg::BePcg;
+
+use crate::coupling::Coupling;
+use crate::lattice::{DIRECTIONS, Field, Lattice, Tissue};
+use crate::tissue::{Faces, Material, PAIRS_MAX};
+use bytemuck::Zeroable;
+use crate::math::Vec3;
+
+/// What a solver is given: nothing here changes during a tick.
+#[derive(Clone, Copy, Debug)]
+pub struct Problem<'a, const N: usize> {
+    /// Lattice.
+    pub lattice: &'a Lattice<N>,
+    /// What the springs follow.
+    pub material: &'a Material,
+    /// Needle and thread, condensed onto their points.
+    pub coupling: &'a Coupling,
+    /// The wound's faces, where they may not pass through each other.
+    pub faces: Option<&'a Faces>,
+}
+
+/// A method that advances the tissue by one tick with a fixed count of operations.
+pub trait Solver<const N: usize> {
+    /// Advances `tissue` by one tick under `problem`, with `load` [N] at the nodes; gives the points' displacement from
+    /// their predicted places ([`predict`]) [m].
+    fn advance(
+        &self,
+        problem: &Problem<'_, N>,
+        load: &Field<N>,
+        tissue: &mut Tissue<N>,
+        work: &mut Work<N>,
+    ) -> [Vec3; crate::coupling::POINTS];
+}
+
+/// A solver's scratch memory; what it holds between ticks is of no meaning.
+#[derive(Clone, Debug, PartialEq, Zeroable)]
+#[repr(C)]
+pub struct Work<const N: usize> {
+    /// Displacement within the tick, u = x⁺ − x [m].
+    step: Field<N>,
+    /// Displacement from rest at the linearisation [m].
+    place: Field<N>,
+    /// Residual of the equation of motion, then of the linear system [N].
+    residual: Field<N>,
+    /// Solution of the linear system [m].
+    solution: Field<N>,
+    /// Search direction.
+    search: Field<N>,
+    /// Operator times search direction.
+    product: Field<N>,
+    /// Preconditioned residual.
+    scaled: Field<N>,
+    /// Inverse of the operator's diagonal; zero at held nodes.
+    inverse_diagonal: Field<N>,
+    /// Spring direction times the root of its axial stiffness less its transverse one, by direction [√(N/m)].
+    axial: [Field<N>; DIRECTIONS],
+    /// Transverse stiffness T/l ≥ 0 by direction [N/m].
+    transverse: [[f32; N]; DIRECTIONS],
+    /// Stiffness of the wound's pairs that meet, zero for the others [N/m].
+    contact: [f32; PAIRS_MAX],
+}
+
+/// Predicted displacement of the points within the tick, W·(dt·v), the place at which a [`Coupling`] states its force.
+#[must_use]
+pub fn predict<const N: usize>(coupling: &Coupling, tissue: &Tissue<N>) -> [Vec3; crate::coupling::POINTS] {
+    coupling.gather(&tissue.velocity).map(|v| v * crate::math::DT)
+}

@@ -1,0 +1,63 @@
+//! The tissue's outer surface as a height over the rest lattice's columns.
+//!
+//! The surface under a point is the bilinear interpolation of the four column tops around it. Columns are found at rest,
+//! so a lookup is index arithmetic; the sideways motion of the tops is left out, which errs by slope × sideways motion.
+
+use crate::coupling::Kernel;
+use crate::lattice::{Lattice, Tissue, at};
+use crate::math::Vec3;
+
+/// The four column tops around a point and their weights; `None` over the wound, beyond the patch or at its rim.
+fn corners<const N: usize>(lattice: &Lattice<N>, p: Vec3) -> Option<[(usize, f32); 4]> {
+    let [ox, oy, _] = lattice.origin;
+    let (x, y) = ((p.x - ox) / lattice.pitch, (p.y - oy) / lattice.pitch);
+    if x.is_nan() || y.is_nan() || x < 0.0 || y < 0.0 {
+        return None;
+    }
+    let (i, j) = (x as u32, y as u32);
+    let (fx, fy) = (x - i as f32, y - j as f32);
+    Some([
+        (lattice.top(i, j)?, (1.0 - fx) * (1.0 - fy)),
+        (lattice.top(i + 1, j)?, fx * (1.0 - fy)),
+        (lattice.top(i, j + 1)?, (1.0 - fx) * fy),
+        (lattice.top(i + 1, j + 1)?, fx * fy),
+    ])
+}
+
+/// Height of the surface at (x, y) of `p` [m]; `None` where there is none.
+#[must_use]
+pub fn height<const N: usize>(lattice: &Lattice<N>, tissue: &Tissue<N>, p: Vec3) -> Option<f32> {
+    let tops = corners(lattice, p)?;
+    Some(tops.iter().map(|(node, w)| w * lattice.place(tissue, *node).z).sum())
+}
+
+/// Spreads `force` at `p` over the column tops around it.
+pub fn lifted<const N: usize>(lattice: &Lattice<N>, p: Vec3, force: Vec3, out: &mut crate::lattice::Field<N>) {
+    for (node, w) in corners(lattice, p).into_iter().flatten() {
+        crate::lattice::add(out, node, force * w);
+    }
+}
+
+/// The tip's kernel at (x, y) of `p`: column tops within `radius` with weights (1 − r²/R²)², normalised.
+///
+/// Held nodes take no part. Bounded: one pass over the columns.
+#[must_use]
+pub fn kernel_at<const N: usize>(lattice: &Lattice<N>, tissue: &Tissue<N>, p: Vec3, radius: f32) -> Kernel {
+    let mut kernel = Kernel::default();
+    let columns = lattice.nodes.iter().take(2).product::<u32>() as usize;
+    for top in lattice.top.iter().take(columns) {
+        let Some(node) = (*top as usize).checked_sub(1) else {
+            continue;
+        };
+        if lattice.free.get(node).is_none_or(|free| *free <= 0.0) {
+            continue;
+        }
+        let place = lattice.rest_place(node) + at(&tissue.displacement, node);
+        let (x, y) = (place.x - p.x, place.y - p.y);
+        let inside = 1.0 - (x * x + y * y) / (radius * radius);
+        if inside > 0.0 {
+            kernel.push(node as u32, inside * inside);
+        }
+    }
+    kernel.normalised()
+}

@@ -1,0 +1,102 @@
+//! The wound's two faces: unilateral contact between facing nodes, and the width between the rims.
+//!
+//! Left and right face are node planes of the same rows and layers, so facing nodes differ by a constant index. Where the
+//! predicted width g of a pair is negative, a spring of the penalty stiffness joins its x motion: f = −k g.
+
+use crate::lattice::{Lattice, Tissue};
+use sutura_shared::scene::{Scene, Wound};
+
+/// Pairs of facing nodes.
+pub const PAIRS_MAX: usize = 1024;
+
+/// The two faces of the wound.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Faces {
+    /// Index of the left node of each pair.
+    left: heapless::Vec<u16, PAIRS_MAX>,
+    /// Index of the right node minus that of the left one.
+    across: usize,
+    /// Width at rest [m].
+    rest: f32,
+    /// Contact stiffness of a pair [N/m]; zero without effect `wound-contact`.
+    pub penalty: f32,
+    /// Columns along x, rows along y and the row of the stitch.
+    rims: Rims,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Rims {
+    columns: [u32; 2],
+    rows: [u32; 2],
+    /// Row of y = 0 as row and fraction of the next.
+    stitch: (u32, f32),
+}
+
+/// Width between the upper rims [m], negative where they overlap.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Gap {
+    /// At the stitch.
+    pub at_stitch: f32,
+    /// Mean over the wound's rows.
+    pub mean: f32,
+}
+
+/// The faces of a scene's wound, if it has one.
+#[must_use]
+pub fn faces<const N: usize>(scene: &Scene, lattice: &Lattice<N>) -> Option<Faces> {
+    let wound: &Wound = scene.wound.as_ref()?;
+    let [left, right] = wound.faces.map(u32::from);
+    let [first, last] = wound.rows.map(u32::from);
+    let exists = |index: usize| lattice.mass.get(index).is_some_and(|m| *m > 0.0);
+    let mut pairs = heapless::Vec::new();
+    for k in u32::from(wound.floor)..lattice.nodes.get(2).copied().unwrap_or(0) {
+        for j in first..=last {
+            let (a, b) = (lattice.index([left, j, k]), lattice.index([right, j, k]));
+            if exists(a) && exists(b) {
+                // A wound of more pairs than fit is refused when the scene is built.
+                let _ = pairs.push(a as u16);
+            }
+        }
+    }
+    let row = (-lattice.origin.get(1).copied().unwrap_or(0.0) / lattice.pitch).max(0.0);
+    Some(Faces {
+        left: pairs,
+        across: (right - left) as usize,
+        rest: (right - left) as f32 * lattice.pitch,
+        penalty: wound.penalty_n_per_m,
+        rims: Rims {
+            columns: [left, right],
+            rows: [first, last],
+            stitch: (row as u32, row - (row as u32) as f32),
+        },
+    })
+}
+
+impl Faces {
+    /// Pairs of facing nodes, left and right.
+    pub fn pairs(&self) -> impl Iterator<Item = (usize, usize)> + '_ {
+        self.left.iter().map(|left| (usize::from(*left), usize::from(*left) + self.across))
+    }
+
+    /// Width of a pair whose nodes have moved by these x displacements [m].
+    #[must_use]
+    pub fn width(&self, left: f32, right: f32) -> f32 {
+        self.rest + (right - left)
+    }
+}
+
+/// Width between the rims now.
+#[must_use]
+pub fn gap<const N: usize>(faces: &Faces, lattice: &Lattice<N>, tissue: &Tissue<N>) -> Gap {
+    let Rims { columns: [left, right], rows: [first, last], stitch } = faces.rims;
+    let place = |i, j| lattice.top(i, j).map(|node| lattice.place(tissue, node).x);
+    let at = |j| Some(place(right, j)? - place(left, j)?);
+    let (row, part) = stitch;
+    let here = at(row).unwrap_or(faces.rest);
+    let next = at(row + 1).unwrap_or(here);
+    let rows = (last - first + 1) as f32;
+    Gap {
+        at_stitch: here * (1.0 - part) + next * part,
+        mean: (first..=last).map(|j| at(j).unwrap_or(faces.rest)).sum::<f32>() / rows,
+    }
+}
