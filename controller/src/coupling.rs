@@ -16,7 +16,7 @@ pub const LEFT: usize = 1;
 /// The right puncture.
 pub const RIGHT: usize = 2;
 /// Nodes of one kernel.
-pub const KERNEL_MAX: usize = 32;
+pub const KERNEL_MAX: usize = 96;
 
 /// A weighted mean of lattice nodes: the material point that a tool or thread holds.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -3,7 +3,7 @@
 use crate::math::{Pose, Vec3};
 use sutura_shared::scene::Tool;
 
-/// A tool in space. A ball is an arc of no length whose tip is the grasp point.
+/// A tool in space. A ball is an arc of no length whose tip is its lowest point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Arc {
     /// Tool pose: grasp point and axes, patch frame.
@@ -13,7 +13,7 @@ pub struct Arc {
     /// Arc length from tip to swage [m].
     pub length: f32,
     /// Radius of a ball tip [m].
-    pub ball: f32,
+    ball: f32,
 }
 
 /// The point of the arc nearest to a given one.
@@ -71,7 +71,7 @@ impl Arc {
         if self.radius > 0.0 {
             self.at(self.tip_angle())
         } else {
-            (self.pose.position, -Vec3::z())
+            (self.pose.position - Vec3::z() * self.ball, -Vec3::z())
         }
     }
 

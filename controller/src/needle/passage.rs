@@ -90,23 +90,22 @@ impl Passage {
 /// Moves both sites by geometry alone: the tip meets the skin, the needle's ends pass the constraint points.
 pub fn detect<const N: usize>(params: &Params, state: &mut State, arc: &Arc, lattice: &Lattice<N>, tissue: &Tissue<N>) {
     let (tip, tangent) = arc.tip();
-    let lowest = tip - Vec3::z() * arc.ball;
     let surface = height(lattice, tissue, tip);
-    let meet = |place: Vec3, sense: f32| {
+    let meet = |sense: f32| {
         let point = Point::new(kernel_at(lattice, tissue, tip, params.kernel), tip, tissue);
         if point.kernel.is_empty() {
             return Passage::Ahead;
         }
         Passage::Touch(Touch {
             point,
-            from: place,
+            from: tip,
             sense,
         })
     };
     if let (Passage::Ahead, Some(surface)) = (state.left, surface)
-        && lowest.z < surface
+        && tip.z < surface
     {
-        state.left = meet(tip, -1.0);
+        state.left = meet(-1.0);
     }
     let entered = matches!(state.left, Passage::Hole(_) | Passage::Passed(_));
     if let (true, Passage::Ahead, Some(surface)) = (entered, state.right, surface)
@@ -114,7 +113,7 @@ pub fn detect<const N: usize>(params: &Params, state: &mut State, arc: &Arc, lat
         && tip.z > surface - params.under
         && tip.z < surface
     {
-        state.right = meet(tip, 1.0);
+        state.right = meet(1.0);
     }
     for site in [&mut state.left, &mut state.right] {
         *site = slide(*site, arc, tissue);

@@ -128,6 +128,15 @@ fn follow_curves<const N: usize>(problem: &Problem<'_, N>, direction: usize, low
                 springs.slope[l] += steeper;
             }
         }
+        let (at, rise) = breaks.lock;
+        if rise > 0.0 {
+            for l in 0..BLOCK {
+                let under = springs.strain[l] + at;
+                let steeper = if under < 0.0 { k[l] * rise } else { 0.0 };
+                springs.tension[l] += steeper * under;
+                springs.slope[l] += steeper;
+            }
+        }
     }
 }
 

@@ -38,23 +38,19 @@ pub fn lifted<const N: usize>(lattice: &Lattice<N>, p: Vec3, force: Vec3, out: &
     }
 }
 
-/// The tip's kernel at (x, y) of `p`: column tops within `radius` with weights (1 − r²/R²)², normalised.
+/// The tip's kernel at `p`: nodes within `radius` with weights (1 − r²/R²)², normalised.
 ///
-/// Held nodes take no part. Bounded: one pass over the columns.
+/// It reaches into the depth as well, so that a tip loads more than the top nodes. Held nodes take no part.
+/// Bounded: one pass over the nodes, in the tick in which a tip meets the skin.
 #[must_use]
 pub fn kernel_at<const N: usize>(lattice: &Lattice<N>, tissue: &Tissue<N>, p: Vec3, radius: f32) -> Kernel {
     let mut kernel = Kernel::default();
-    let columns = lattice.nodes.iter().take(2).product::<u32>() as usize;
-    for top in lattice.top.iter().take(columns) {
-        let Some(node) = (*top as usize).checked_sub(1) else {
-            continue;
-        };
+    for node in 0..lattice.len() {
         if lattice.free.get(node).is_none_or(|free| *free <= 0.0) {
             continue;
         }
-        let place = lattice.rest_place(node) + at(&tissue.displacement, node);
-        let (x, y) = (place.x - p.x, place.y - p.y);
-        let inside = 1.0 - (x * x + y * y) / (radius * radius);
+        let place = lattice.rest_place(node) + at(&tissue.displacement, node) - p;
+        let inside = 1.0 - place.dot(&place) / (radius * radius);
         if inside > 0.0 {
             kernel.push(node as u32, inside * inside);
         }
