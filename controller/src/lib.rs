@@ -8,6 +8,7 @@
 pub mod coupling;
 pub mod device;
 pub mod event;
+pub mod hash;
 pub mod lattice;
 pub mod law;
 pub mod math;
@@ -15,5 +16,7 @@ pub mod needle;
 pub mod record;
 pub mod safety;
 pub mod solver;
+pub mod stage;
 pub mod thread;
+pub mod tick;
 pub mod tissue;

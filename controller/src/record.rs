@@ -43,3 +43,24 @@ pub struct Output {
     /// A puncture that happened in this tick.
     pub puncture: Option<Puncture>,
 }
+
+impl Output {
+    /// The answer of a controller without a scene: zero force.
+    #[must_use]
+    pub fn idle() -> Self {
+        Self {
+            tick: 0,
+            stage: Stage::Approach,
+            faults: Faults::default(),
+            simulated: Vec3::zeros(),
+            rendered: LimitedForce::default(),
+            torque: Vec3::zeros(),
+            position: Vec3::zeros(),
+            thread: 0.0,
+            gap: 0.0,
+            gap_mean: 0.0,
+            saturated: false,
+            puncture: None,
+        }
+    }
+}

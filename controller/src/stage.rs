@@ -90,11 +90,19 @@ mod tests {
     use crate::needle::{Hole, Point, Touch};
 
     fn touch() -> Passage {
-        Passage::Touch(Touch { point: Point::default(), from: Vec3::zeros(), sense: -1.0 })
+        Passage::Touch(Touch {
+            point: Point::default(),
+            from: Vec3::zeros(),
+            sense: -1.0,
+        })
     }
 
     fn hole() -> Passage {
-        Passage::Hole(Hole { point: Point::default(), from_tip: 0.0, adhesion: 0.0 })
+        Passage::Hole(Hole {
+            point: Point::default(),
+            from_tip: 0.0,
+            adhesion: 0.0,
+        })
     }
 
     #[test]
@@ -111,13 +119,37 @@ mod tests {
         ];
         let mut state = State::default();
         for (left, right, tension, button, expected) in course {
-            let needle = needle::State { left, right, before: None };
-            state = next(state, &Signs { needle: &needle, pierces: true, tension: Some(tension), button });
+            let needle = needle::State {
+                left,
+                right,
+                before: None,
+            };
+            state = next(
+                state,
+                &Signs {
+                    needle: &needle,
+                    pierces: true,
+                    tension: Some(tension),
+                    button,
+                },
+            );
             assert_eq!(state.stage, expected);
         }
-        let needle = needle::State { left: passed, right: passed, before: None };
+        let needle = needle::State {
+            left: passed,
+            right: passed,
+            before: None,
+        };
         for _ in 0..=KNOT {
-            state = next(state, &Signs { needle: &needle, pierces: true, tension: Some(0.0), button: false });
+            state = next(
+                state,
+                &Signs {
+                    needle: &needle,
+                    pierces: true,
+                    tension: Some(0.0),
+                    button: false,
+                },
+            );
         }
         assert_eq!(state.stage, Stage::Done);
     }
@@ -125,9 +157,24 @@ mod tests {
     #[test]
     fn a_ball_that_lets_go_is_done_until_it_touches_again() {
         let mut state = State::default();
-        for (left, expected) in [(touch(), Stage::Indent), (Passage::Ahead, Stage::Done), (touch(), Stage::Indent)] {
-            let needle = needle::State { left, ..needle::State::default() };
-            state = next(state, &Signs { needle: &needle, pierces: false, tension: None, button: false });
+        for (left, expected) in [
+            (touch(), Stage::Indent),
+            (Passage::Ahead, Stage::Done),
+            (touch(), Stage::Indent),
+        ] {
+            let needle = needle::State {
+                left,
+                ..needle::State::default()
+            };
+            state = next(
+                state,
+                &Signs {
+                    needle: &needle,
+                    pierces: false,
+                    tension: None,
+                    button: false,
+                },
+            );
             assert_eq!(state.stage, expected);
         }
     }

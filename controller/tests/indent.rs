@@ -33,15 +33,30 @@ fn depth_at_f0(cells: [u16; 3], pitch: f32, gap: u16) -> f32 {
     let rotation = Mat3::from_columns(&[x, y, x.cross(&y)]);
     for tick in 0..2000 {
         let pushed = along * (8e-3 * 1e-3 * tick as f32 - 0.5e-3);
-        let arc = Arc::new(scene.tool, Pose { position: centre + x * radius + pushed, rotation });
+        let arc = Arc::new(
+            scene.tool,
+            Pose {
+                position: centre + x * radius + pushed,
+                rotation,
+            },
+        );
         needle::detect(&params, &mut state, &arc, &lattice, &tissue);
         let mut coupling = Coupling::default();
         let holds = needle::couple(&params, &mut state, &arc, &tissue, &mut coupling);
-        let problem = Problem { lattice: &lattice, material: &material, coupling: &coupling, faces: faces.as_ref() };
-        let moved = BePcg { iterations: 10, newton: 1 }.advance(&problem, &load, &mut tissue, &mut work);
+        let problem = Problem {
+            lattice: &lattice,
+            material: &material,
+            coupling: &coupling,
+            faces: faces.as_ref(),
+        };
+        let moved = BePcg {
+            iterations: 10,
+            newton: 1,
+        }
+        .advance(&problem, &load, &mut tissue, &mut work);
         let grip = needle::settle(&params, &mut state, &arc, (&holds, &moved), &tissue);
         assert_eq!(inverted(&lattice, &tissue, cells, &bytes), 0, "tick {tick}");
-        
+
         if let Some(puncture) = grip.puncture {
             assert!((puncture.force / puncture.f0 - 1.0).abs() < 0.03);
             return puncture.depth;
@@ -54,6 +69,10 @@ fn depth_at_f0(cells: [u16; 3], pitch: f32, gap: u16) -> f32 {
 fn the_depth_at_f0_does_not_depend_on_the_pitch() {
     let coarse = depth_at_f0([20, 15, 6], 2e-3, 2);
     let fine = depth_at_f0([27, 20, 8], 1.5e-3, 3);
-    eprintln!("depth at F0: {:.2} mm at 2 mm, {:.2} mm at 1.5 mm", coarse * 1e3, fine * 1e3);
+    eprintln!(
+        "depth at F0: {:.2} mm at 2 mm, {:.2} mm at 1.5 mm",
+        coarse * 1e3,
+        fine * 1e3
+    );
     assert!((fine / coarse - 1.0).abs() < 0.15);
 }

@@ -49,7 +49,11 @@ impl Arc {
 
     /// Angle of the tip about the centre, from the grasp point [rad].
     fn tip_angle(&self) -> f32 {
-        if self.radius > 0.0 { self.length * (2.0 / 3.0) / self.radius } else { 0.0 }
+        if self.radius > 0.0 {
+            self.length * (2.0 / 3.0) / self.radius
+        } else {
+            0.0
+        }
     }
 
     /// Centre o, patch frame [m].
@@ -89,11 +93,18 @@ impl Arc {
     #[must_use]
     pub fn nearest(&self, p: Vec3) -> Nearest {
         let d = p - self.centre();
-        let angle = libm::atan2f(d.dot(&self.pose.rotation.column(1)), d.dot(&self.pose.rotation.column(0)));
+        let angle = libm::atan2f(
+            d.dot(&self.pose.rotation.column(1)),
+            d.dot(&self.pose.rotation.column(0)),
+        );
         // The open part of the circle is split in the middle between what lies before the tip and what lies behind the swage.
         let open = core::f32::consts::TAU - self.length / self.radius.max(1e-9);
         let ahead = self.tip_angle() - angle;
-        let ahead = if ahead < -0.5 * open { ahead + core::f32::consts::TAU } else { ahead };
+        let ahead = if ahead < -0.5 * open {
+            ahead + core::f32::consts::TAU
+        } else {
+            ahead
+        };
         let (point, tangent) = self.at(angle);
         Nearest {
             point,

@@ -2,9 +2,9 @@
 
 use super::{Arc, Hole, Params, Passage, Point, State, Touch};
 use crate::coupling::{Coupling, LEFT, POINTS, RIGHT};
+use crate::event::Puncture;
 use crate::lattice::Tissue;
 use crate::math::{Mat3, Pose, Vec3};
-use crate::record::Puncture;
 use sutura_shared::scene::Site;
 
 /// Forces of the tool on its two points as the tissue's solver was given them.
@@ -42,7 +42,13 @@ pub struct Grip {
 }
 
 /// States the tool's hold on its points, and adds it to the coupling.
-pub fn couple<const N: usize>(params: &Params, state: &mut State, arc: &Arc, tissue: &Tissue<N>, coupling: &mut Coupling) -> Holds {
+pub fn couple<const N: usize>(
+    params: &Params,
+    state: &mut State,
+    arc: &Arc,
+    tissue: &Tissue<N>,
+    coupling: &mut Coupling,
+) -> Holds {
     let before = state.before.unwrap_or(arc.pose);
     let shafts = shafts(state, arc);
     let mut holds = Holds::default();
@@ -79,14 +85,32 @@ fn shafts(state: &State, arc: &Arc) -> [f32; 2] {
 
 /// A spring K_c and a damper B_c between a place on the tool and the tissue point, all three axes.
 fn press<const N: usize>(params: &Params, touch: &Touch, arc: &Arc, before: &Pose, tissue: &Tissue<N>) -> Hold {
-    pull(params, arc.tip().0, Mat3::identity(), (arc, before), (&touch.point, tissue))
+    pull(
+        params,
+        arc.tip().0,
+        Mat3::identity(),
+        (arc, before),
+        (&touch.point, tissue),
+    )
 }
 
 /// A is kept on the arc across t; along t the shaft adheres until friction gives way (Hayward & Armstrong 2000).
-fn guide<const N: usize>(params: &Params, hole: &mut Hole, (arc, shaft): (&Arc, f32), before: &Pose, tissue: &Tissue<N>) -> Hold {
+fn guide<const N: usize>(
+    params: &Params,
+    hole: &mut Hole,
+    (arc, shaft): (&Arc, f32),
+    before: &Pose,
+    tissue: &Tissue<N>,
+) -> Hold {
     let near = arc.nearest(hole.point.predicted(tissue));
     let along = near.tangent * near.tangent.transpose();
-    let mut hold = pull(params, near.point, Mat3::identity() - along, (arc, before), (&hole.point, tissue));
+    let mut hold = pull(
+        params,
+        near.point,
+        Mat3::identity() - along,
+        (arc, before),
+        (&hole.point, tissue),
+    );
     let [per_length, cutting] = params.friction;
     let advancing = near.from_tip > hole.adhesion;
     let limit = per_length * shaft + if advancing { cutting } else { 0.0 };
@@ -143,8 +167,17 @@ pub fn settle<const N: usize>(
             let f0 = params.f0.map(|f0| f0[n]);
             if let Some(f0) = f0.filter(|f0| along >= *f0) {
                 let depth = (place - touch.from).dot(&tangent);
-                grip.puncture = Some(Puncture { site: name, force: along, f0, depth });
-                *site = Passage::Hole(Hole { point: touch.point, from_tip: 0.0, adhesion: 0.0 });
+                grip.puncture = Some(Puncture {
+                    site: name,
+                    force: along,
+                    f0,
+                    depth,
+                });
+                *site = Passage::Hole(Hole {
+                    point: touch.point,
+                    from_tip: 0.0,
+                    adhesion: 0.0,
+                });
             } else if force.z * touch.sense < 0.0 {
                 *site = Passage::Ahead;
             }

@@ -57,7 +57,9 @@ impl Params {
             kernel: scene.contact.kernel_m,
             f0: stitch.map(|s| s.f0_n),
             under: stitch.map_or(0.0, |s| s.under_m),
-            friction: stitch.filter(|_| rubs).map_or([0.0; 2], |s| [s.friction_n_per_m, s.cutting_n]),
+            friction: stitch
+                .filter(|_| rubs)
+                .map_or([0.0; 2], |s| [s.friction_n_per_m, s.cutting_n]),
         }
     }
 }

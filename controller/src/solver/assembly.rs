@@ -30,7 +30,12 @@ struct Springs {
 }
 
 /// Fills residual, operator and inverse diagonal for the displacement `work.step` within the tick.
-pub(super) fn linearise<const N: usize>(problem: &Problem<'_, N>, load: &Field<N>, tissue: &Tissue<N>, work: &mut Work<N>) {
+pub(super) fn linearise<const N: usize>(
+    problem: &Problem<'_, N>,
+    load: &Field<N>,
+    tissue: &Tissue<N>,
+    work: &mut Work<N>,
+) {
     begin(problem, load, tissue, work);
     let lattice = problem.lattice;
     let shapes = lattice.rest().into_iter().zip(lattice.rest_lengths());
@@ -38,7 +43,13 @@ pub(super) fn linearise<const N: usize>(problem: &Problem<'_, N>, load: &Field<N
         for low in (0..lattice.len()).step_by(BLOCK) {
             let mut springs = measure(&work.place, [low, low + offset], rest, rest_length);
             follow_curves(problem, direction, low, &mut springs);
-            emit(problem.material.spring_damping, work, direction, [low, low + offset], &springs);
+            emit(
+                problem.material.spring_damping,
+                work,
+                direction,
+                [low, low + offset],
+                &springs,
+            );
         }
     }
     if let Some(faces) = problem.faces {
@@ -53,8 +64,17 @@ fn begin<const N: usize>(problem: &Problem<'_, N>, load: &Field<N>, tissue: &Tis
     let n = problem.lattice.len();
     let inertia = 1.0 / (DT * DT);
     let drag = problem.material.mass_damping / DT;
-    let then = tissue.displacement.iter().zip(&tissue.velocity).zip(load).zip(&work.step);
-    let out = work.place.iter_mut().zip(&mut work.residual).zip(&mut work.inverse_diagonal);
+    let then = tissue
+        .displacement
+        .iter()
+        .zip(&tissue.velocity)
+        .zip(load)
+        .zip(&work.step);
+    let out = work
+        .place
+        .iter_mut()
+        .zip(&mut work.residual)
+        .zip(&mut work.inverse_diagonal);
     for ((((x, v), f), u), ((place, residual), diagonal)) in then.zip(out) {
         for (place, (x, u)) in place.iter_mut().zip(x.iter().zip(u)).take(n) {
             *place = x + u;
@@ -104,7 +124,12 @@ fn measure<const N: usize>(place: &Field<N>, [near, far]: [usize; 2], rest: [f32
 #[inline]
 fn follow_curves<const N: usize>(problem: &Problem<'_, N>, direction: usize, low: usize, springs: &mut Springs) {
     let slots = if problem.material.stiffening { CURVES } else { 1 };
-    let used = problem.material.curves.iter().zip(&problem.lattice.stiffness).take(slots);
+    let used = problem
+        .material
+        .curves
+        .iter()
+        .zip(&problem.lattice.stiffness)
+        .take(slots);
     for (curve, stiffness) in used.filter(|(curve, _)| curve.young > 0.0) {
         let Some(k) = stiffness.get(direction).map(|k| window(k, low)) else {
             continue;
@@ -142,7 +167,13 @@ fn follow_curves<const N: usize>(problem: &Problem<'_, N>, direction: usize, low
 
 /// Stores the operator of a block of springs and adds their forces and their diagonal at both ends.
 #[inline]
-fn emit<const N: usize>(damping: f32, work: &mut Work<N>, direction: usize, [near, far]: [usize; 2], springs: &Springs) {
+fn emit<const N: usize>(
+    damping: f32,
+    work: &mut Work<N>,
+    direction: usize,
+    [near, far]: [usize; 2],
+    springs: &Springs,
+) {
     let mut force = springs.direction;
     let mut diagonal = [[0.0; BLOCK]; 3];
     let rate = damping / DT;

@@ -36,7 +36,10 @@ impl<const N: usize> Solver<N> for BePcg {
             let mut coupling = *problem.coupling;
             let given = problem.coupling.product(&moved);
             coupling.force.iter_mut().zip(&given).for_each(|(f, g)| *f -= g);
-            let now = Problem { coupling: &coupling, ..*problem };
+            let now = Problem {
+                coupling: &coupling,
+                ..*problem
+            };
             assembly::linearise(&now, load, tissue, work);
             solve(&now, self.iterations, work);
             for (step, solution) in work.step.iter_mut().zip(&work.solution) {
@@ -72,8 +75,16 @@ fn solve<const N: usize>(problem: &Problem<'_, N>, iterations: u16, work: &mut W
         operator::apply(problem, work);
         let curvature = dot(&work.search, &work.product, n);
         // A residual that is zero already, or rounding, ends the progress but not the loop.
-        let along = if curvature > 0.0 && rz > 0.0 { rz / curvature } else { 0.0 };
-        let steps = work.solution.iter_mut().zip(&mut work.residual).zip(work.search.iter().zip(&work.product));
+        let along = if curvature > 0.0 && rz > 0.0 {
+            rz / curvature
+        } else {
+            0.0
+        };
+        let steps = work
+            .solution
+            .iter_mut()
+            .zip(&mut work.residual)
+            .zip(work.search.iter().zip(&work.product));
         for ((x, r), (p, q)) in steps {
             for ((x, r), (p, q)) in x.iter_mut().zip(r.iter_mut()).zip(p.iter().zip(q)).take(n) {
                 *x += along * p;
@@ -85,7 +96,11 @@ fn solve<const N: usize>(problem: &Problem<'_, N>, iterations: u16, work: &mut W
         let keep = if rz > 0.0 { next / rz } else { 0.0 };
         rz = next;
         for (search, scaled) in work.search.iter_mut().zip(&work.scaled) {
-            search.iter_mut().zip(scaled).take(n).for_each(|(p, z)| *p = z + keep * *p);
+            search
+                .iter_mut()
+                .zip(scaled)
+                .take(n)
+                .for_each(|(p, z)| *p = z + keep * *p);
         }
     }
 }

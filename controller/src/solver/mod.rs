@@ -1,8 +1,8 @@
 //! How the stiff spring system is advanced by one tick: one file per method, one trait.
 
 mod assembly;
-mod blocks;
 mod be_pcg;
+mod blocks;
 mod operator;
 mod reduce;
 
@@ -10,9 +10,9 @@ pub use be_pcg::BePcg;
 
 use crate::coupling::Coupling;
 use crate::lattice::{DIRECTIONS, Field, Lattice, Tissue};
+use crate::math::Vec3;
 use crate::tissue::{Faces, Material, PAIRS_MAX};
 use bytemuck::Zeroable;
-use crate::math::Vec3;
 
 /// What a solver is given: nothing here changes during a tick.
 #[derive(Clone, Copy, Debug)]
@@ -66,6 +66,15 @@ pub struct Work<const N: usize> {
     transverse: [[f32; N]; DIRECTIONS],
     /// Stiffness of the wound's pairs that meet, zero for the others [N/m].
     contact: [f32; PAIRS_MAX],
+}
+
+impl<const N: usize> Work<N> {
+    /// Whether the last tick moved the first `n` nodes by finite amounts.
+    #[must_use]
+    pub fn is_finite(&self, n: usize) -> bool {
+        // A sum of squares is finite only if every term is, and it vectorises.
+        reduce::dot(&self.step, &self.step, n).is_finite()
+    }
 }
 
 /// Predicted displacement of the points within the tick, W·(dt·v), the place at which a [`Coupling`] states its force.

@@ -35,7 +35,9 @@ pub(super) fn apply<const N: usize>(problem: &Problem<'_, N>, work: &mut Work<N>
         }
     }
     let points = problem.coupling.gather(&work.search);
-    problem.coupling.scatter(&problem.coupling.product(&points), &mut work.product);
+    problem
+        .coupling
+        .scatter(&problem.coupling.product(&points), &mut work.product);
 }
 
 fn add_at<const N: usize>(values: &mut [f32; N], index: usize, add: f32) {
@@ -120,7 +122,9 @@ impl Points {
         let mut compliance = stiffness;
         for p in 0..POINTS {
             for q in 0..POINTS {
-                stiffness.fixed_view_mut::<3, 3>(3 * p, 3 * q).copy_from(&coupling.stiffness[p][q]);
+                stiffness
+                    .fixed_view_mut::<3, 3>(3 * p, 3 * q)
+                    .copy_from(&coupling.stiffness[p][q]);
                 let shared = overlap(coupling, [p, q], inverse_diagonal);
                 compliance.fixed_view_mut::<3, 3>(3 * p, 3 * q).set_diagonal(&shared);
             }
@@ -160,5 +164,7 @@ fn overlap<const N: usize>(coupling: &Coupling, [p, q]: [usize; 2], inverse_diag
         let same = b.iter().filter(move |(other, _)| *other == node);
         same.map(move |(_, v)| (node, w * v))
     });
-    shared.map(|(node, w)| crate::lattice::at(inverse_diagonal, node) * w).sum::<Vec3>()
+    shared
+        .map(|(node, w)| crate::lattice::at(inverse_diagonal, node) * w)
+        .sum::<Vec3>()
 }

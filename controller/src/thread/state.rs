@@ -118,6 +118,12 @@ impl State {
         state
     }
 
+    /// Places [m] and velocities [m/s] of the nodes that there are.
+    pub fn live(&self, params: &Params) -> impl Iterator<Item = (Vec3, Vec3)> + '_ {
+        let nodes = self.nodes.iter().zip(&self.velocity).take(params.nodes);
+        nodes.map(|(place, velocity)| (place.point(), *velocity))
+    }
+
     /// Leads the thread through the right puncture: the needle's swage has just passed it.
     pub fn lead_through(&mut self) {
         if self.run == Run::Free {

@@ -5,5 +5,5 @@ mod surface;
 mod wound;
 
 pub use assembly::{Error, Material, assemble, springs};
-pub use surface::{height, kernel_at, lifted};
+pub use surface::{height, kernel_at, lifted, surface};
 pub use wound::{Faces, Gap, PAIRS_MAX, faces, gap};

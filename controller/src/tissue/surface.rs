@@ -5,7 +5,7 @@
 
 use crate::coupling::Kernel;
 use crate::lattice::{Lattice, Tissue, at};
-use crate::math::Vec3;
+use crate::math::{Vec3, length};
 
 /// The four column tops around a point and their weights; `None` over the wound, beyond the patch or at its rim.
 fn corners<const N: usize>(lattice: &Lattice<N>, p: Vec3) -> Option<[(usize, f32); 4]> {
@@ -29,6 +29,17 @@ fn corners<const N: usize>(lattice: &Lattice<N>, p: Vec3) -> Option<[(usize, f32
 pub fn height<const N: usize>(lattice: &Lattice<N>, tissue: &Tissue<N>, p: Vec3) -> Option<f32> {
     let tops = corners(lattice, p)?;
     Some(tops.iter().map(|(node, w)| w * lattice.place(tissue, *node).z).sum())
+}
+
+/// Height [m] and outward normal of the surface at (x, y) of `p`; `None` where there is none.
+#[must_use]
+pub fn surface<const N: usize>(lattice: &Lattice<N>, tissue: &Tissue<N>, p: Vec3) -> Option<(f32, Vec3)> {
+    let tops = corners(lattice, p)?;
+    let [a, b, c, d] = tops.map(|(node, _)| lattice.place(tissue, node).z);
+    let height = tops.iter().zip([a, b, c, d]).map(|((_, w), z)| w * z).sum();
+    let slope = 0.5 / lattice.pitch;
+    let normal = Vec3::new(-slope * (b - a + d - c), -slope * (c - a + d - b), 1.0);
+    Some((height, normal / length(normal)))
 }
 
 /// Spreads `force` at `p` over the column tops around it.

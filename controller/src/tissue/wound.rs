@@ -75,7 +75,9 @@ pub fn faces<const N: usize>(scene: &Scene, lattice: &Lattice<N>) -> Option<Face
 impl Faces {
     /// Pairs of facing nodes, left and right.
     pub fn pairs(&self) -> impl Iterator<Item = (usize, usize)> + '_ {
-        self.left.iter().map(|left| (usize::from(*left), usize::from(*left) + self.across))
+        self.left
+            .iter()
+            .map(|left| (usize::from(*left), usize::from(*left) + self.across))
     }
 
     /// Width of a pair whose nodes have moved by these x displacements [m].
@@ -88,7 +90,11 @@ impl Faces {
 /// Width between the rims now.
 #[must_use]
 pub fn gap<const N: usize>(faces: &Faces, lattice: &Lattice<N>, tissue: &Tissue<N>) -> Gap {
-    let Rims { columns: [left, right], rows: [first, last], stitch } = faces.rims;
+    let Rims {
+        columns: [left, right],
+        rows: [first, last],
+        stitch,
+    } = faces.rims;
     let place = |i, j| lattice.top(i, j).map(|node| lattice.place(tissue, node).x);
     let at = |j| Some(place(right, j)? - place(left, j)?);
     let (row, part) = stitch;

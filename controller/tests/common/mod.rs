@@ -11,7 +11,12 @@ pub const SKIN: f32 = 2e-3;
 
 pub fn segments(breaks: &[f32], slopes_kpa: &[f32]) -> heapless::Vec<Segment, 5> {
     let pairs = std::iter::once(&0.0).chain(breaks).zip(slopes_kpa);
-    pairs.map(|(b, s)| Segment { from_strain: *b, slope_pa: s * 1e3 }).collect()
+    pairs
+        .map(|(b, s)| Segment {
+            from_strain: *b,
+            slope_pa: s * 1e3,
+        })
+        .collect()
 }
 
 /// Skin of 1.5 mm over muscle: the built-in scene's curves.
@@ -26,7 +31,9 @@ pub fn tissues(pitch: f32) -> heapless::Vec<sutura_shared::scene::Tissue, 4> {
         sheet: 1.0,
     };
     for (density_kg_m3, body) in [(1109.0, skin), (1090.0, muscle)] {
-        tissues.push(sutura_shared::scene::Tissue { density_kg_m3, body }).unwrap();
+        tissues
+            .push(sutura_shared::scene::Tissue { density_kg_m3, body })
+            .unwrap();
     }
     tissues
 }
@@ -40,16 +47,32 @@ pub fn scene(cells: [u16; 3], pitch: f32, gap: u16, length: u16) -> (Scene, Vec<
     for k in 0..cz {
         for j in 0..cy {
             for i in 0..cx {
-                let wound = gap > 0 && (left..left + gap).contains(&i) && (first..first + length).contains(&j) && f32::from(k) * pitch > 5.9e-3;
-                bytes.push(if wound { 0 } else if k + 1 == cz { 1 } else { 2 });
+                let wound = gap > 0
+                    && (left..left + gap).contains(&i)
+                    && (first..first + length).contains(&j)
+                    && f32::from(k) * pitch > 5.9e-3;
+                bytes.push(if wound {
+                    0
+                } else if k + 1 == cz {
+                    1
+                } else {
+                    2
+                });
             }
         }
     }
     let half = |n: u16| -0.5 * f32::from(n) * pitch;
     let site = 0.5 * f32::from(gap) * pitch + 4e-3;
     let scene = Scene {
-        effects: Effects::default().with(Effect::Stiffening).with(Effect::Puncture).with(Effect::WoundContact).with(Effect::SpringDamping),
-        solver: Solver::BePcg { iterations: 10, newton: 1 },
+        effects: Effects::default()
+            .with(Effect::Stiffening)
+            .with(Effect::Puncture)
+            .with(Effect::WoundContact)
+            .with(Effect::SpringDamping),
+        solver: Solver::BePcg {
+            iterations: 10,
+            newton: 1,
+        },
         lattice: sutura_shared::scene::Lattice {
             cells,
             pitch_m: pitch,
@@ -59,8 +82,15 @@ pub fn scene(cells: [u16; 3], pitch: f32, gap: u16, length: u16) -> (Scene, Vec<
             spring_damping_s: 1e-3,
         },
         tissues: tissues(pitch),
-        tool: Tool::Needle { radius_m: 0.026 / std::f32::consts::PI, length_m: 0.026 },
-        contact: Contact { coupling_n_per_m: 800.0, coupling_n_s_per_m: 0.0, kernel_m: 3.5e-3 },
+        tool: Tool::Needle {
+            radius_m: 0.026 / std::f32::consts::PI,
+            length_m: 0.026,
+        },
+        contact: Contact {
+            coupling_n_per_m: 800.0,
+            coupling_n_s_per_m: 0.0,
+            kernel_m: 3.5e-3,
+        },
         stitch: Some(Stitch {
             left_m: [-site, 0.0],
             right_m: [site, 0.0],
@@ -76,8 +106,18 @@ pub fn scene(cells: [u16; 3], pitch: f32, gap: u16, length: u16) -> (Scene, Vec<
             floor: 1 + (6e-3 / pitch).round() as u16,
             penalty_n_per_m: 2000.0,
         }),
-        output: Output { scale: 1.0, slew_n: 0.5, passivity_n_s_per_m: 0.0 },
-        device: Device { profile: Profile::Premium15, patch_from_device: Pose { position_m: [0.0; 3], quaternion: [1.0, 0.0, 0.0, 0.0] } },
+        output: Output {
+            scale: 1.0,
+            slew_n: 0.5,
+            passivity_n_s_per_m: 0.0,
+        },
+        device: Device {
+            profile: Profile::Premium15,
+            patch_from_device: Pose {
+                position_m: [0.0; 3],
+                quaternion: [1.0, 0.0, 0.0, 0.0],
+            },
+        },
         hand: None,
     };
     (scene, bytes)

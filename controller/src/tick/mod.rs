@@ -1,0 +1,213 @@
+//! One millisecond: sense → contact → thread → deform → force → safety → output.
+//!
+//! What couples two parts of the physics happens here, through slices and small records; the parts do not know each other.
+
+mod params;
+mod sewing;
+
+pub use params::ConfigError;
+
+use crate::coupling::{Coupling, RIGHT, TAIL};
+use crate::event::{Fault, Faults};
+use crate::hash::Hasher;
+use crate::lattice::{Field, Lattice, Tissue};
+use crate::math::{Pose, finite};
+use crate::needle::{self, Arc};
+use crate::record::{Output, Sample};
+use crate::safety::{self, Gate};
+use crate::solver::{Problem, Solver, Work};
+use crate::stage;
+use crate::thread;
+use crate::tissue::{self, Gap};
+use bytemuck::Zeroable;
+use params::Params;
+use sutura_shared::scene::Scene;
+
+/// Everything that grows with the lattice. All zeros is a valid empty one.
+#[derive(Clone, Debug, PartialEq, Zeroable)]
+#[repr(C)]
+pub struct Memory<const N: usize> {
+    /// The patch.
+    pub lattice: Lattice<N>,
+    /// Its state.
+    pub tissue: Tissue<N>,
+    /// Load on its nodes [N].
+    load: Field<N>,
+    /// Scratch.
+    work: Work<N>,
+}
+
+/// What changes from tick to tick, apart from the tissue.
+#[derive(Clone, Debug, Default, PartialEq)]
+struct State {
+    tick: u32,
+    stage: stage::State,
+    needle: needle::State,
+    thread: Option<thread::State>,
+    safety: safety::State,
+    faults: Faults,
+    tension: f32,
+}
+
+/// The controller: a scene's coefficients and state.
+#[derive(Debug)]
+pub struct Controller<'m, const N: usize> {
+    memory: &'m mut Memory<N>,
+    thread_work: thread::Work,
+    running: Option<(Params, State)>,
+}
+
+impl<'m, const N: usize> Controller<'m, N> {
+    /// A controller without a scene: zero force.
+    #[must_use]
+    pub fn new(memory: &'m mut Memory<N>) -> Self {
+        Self {
+            memory,
+            thread_work: thread::Work::default(),
+            running: None,
+        }
+    }
+
+    /// Takes a scene: the only step that can fail.
+    ///
+    /// # Errors
+    ///
+    /// What the scene lacks, see [`ConfigError`]; the controller then has no scene and gives zero force.
+    pub fn load(&mut self, scene: &Scene, cells: &[u8]) -> Result<(), ConfigError> {
+        self.running = None;
+        let Memory {
+            lattice, tissue, load, ..
+        } = &mut *self.memory;
+        let material = tissue::assemble(scene, cells, lattice)?;
+        for field in [&mut tissue.displacement, &mut tissue.velocity, load] {
+            field.iter_mut().for_each(|c| c.fill(0.0));
+        }
+        let params = Params::new(scene, material, lattice, tissue)?;
+        self.running = Some((params, State::default()));
+        Ok(())
+    }
+
+    /// One millisecond. It never fails: a fault is data in the output, and zero force.
+    pub fn tick(&mut self, sample: &Sample) -> Output {
+        let Some((params, state)) = &mut self.running else {
+            return Output::idle();
+        };
+        let Memory {
+            lattice,
+            tissue,
+            load,
+            work,
+        } = &mut *self.memory;
+        state.tick = state.tick.wrapping_add(1);
+        let good = finite(sample.pose.position) && sample.pose.rotation.iter().all(|x| x.is_finite());
+        state.faults = state.faults.with(Fault::Pose, !good);
+
+        // sense
+        let pose = params
+            .patch_from_device
+            .then(&if good { sample.pose } else { Pose::default() });
+        let arc = Arc::new(params.needle.tool, pose);
+
+        // contact
+        needle::detect(&params.needle, &mut state.needle, &arc, lattice, tissue);
+        let mut coupling = Coupling::default();
+        let holds = needle::couple(&params.needle, &mut state.needle, &arc, tissue, &mut coupling);
+        sewing::strain(
+            params,
+            state,
+            &arc,
+            (lattice, tissue),
+            (&mut self.thread_work, &mut coupling),
+        );
+
+        // deform
+        let faces = params.faces.as_ref().filter(|_| params.meet);
+        let problem = Problem {
+            lattice,
+            material: &params.material,
+            coupling: &coupling,
+            faces,
+        };
+        let moved = params.solver.advance(&problem, load, tissue, work);
+        state.faults = state.faults.with(
+            Fault::State,
+            !moved.into_iter().all(finite) || !work.is_finite(lattice.len()),
+        );
+
+        // force
+        let grip = needle::settle(&params.needle, &mut state.needle, &arc, (&holds, &moved), tissue);
+        let pull = sewing::relax(
+            params,
+            state,
+            [moved[TAIL], moved[RIGHT]],
+            (lattice, load),
+            &mut self.thread_work,
+        );
+        let simulated = grip.force + pull.direction * pull.tension;
+        state.tension = pull.tension;
+
+        // safety: every force leaves through here
+        let device_from_patch = params.patch_from_device.rotation.transpose();
+        let edge = safety::limit(
+            &params.safety,
+            &mut state.safety,
+            &safety::Inputs {
+                simulated: device_from_patch * simulated,
+                tip: sample.pose.position,
+                faults: state.faults,
+                gate: Gate::Open,
+            },
+        );
+        state.faults = edge.faults;
+
+        // output
+        let signs = stage::Signs {
+            needle: &state.needle,
+            pierces: params.needle.f0.is_some(),
+            tension: params.thread.as_ref().map(|_| state.tension),
+            button: sample.button,
+        };
+        state.stage = stage::next(state.stage, &signs);
+        let gap = params
+            .faces
+            .as_ref()
+            .map_or_else(Gap::default, |f| tissue::gap(f, lattice, tissue));
+        Output {
+            tick: state.tick,
+            stage: state.stage.stage,
+            faults: state.faults,
+            simulated,
+            rendered: edge.force,
+            torque: grip.torque,
+            position: pose.position,
+            thread: state.tension,
+            gap: gap.at_stitch,
+            gap_mean: gap.mean,
+            saturated: edge.saturated,
+            puncture: grip.puncture,
+        }
+    }
+
+    /// Adds all live state to a hash: existing nodes, needle, thread.
+    pub fn hash(&self, hasher: &mut Hasher) {
+        let Some((params, state)) = &self.running else { return };
+        let Memory { lattice, tissue, .. } = &*self.memory;
+        let exists = |n: &usize| lattice.mass.get(*n).is_some_and(|m| *m > 0.0);
+        for field in [&tissue.displacement, &tissue.velocity] {
+            for node in (0..lattice.len()).filter(exists) {
+                hasher.vector(crate::lattice::at(field, node));
+            }
+        }
+        for site in [&state.needle.left, &state.needle.right] {
+            if let Some(point) = site.point() {
+                hasher.vector(point.rest);
+            }
+        }
+        if let (Some(thread), Some(run)) = (&params.thread, &state.thread) {
+            for (place, velocity) in run.live(thread) {
+                hasher.vector(place);
+                hasher.vector(velocity);
+            }
+        }
+    }
+}

@@ -1,0 +1,87 @@
+//! From a scene to coefficients: the only step that can fail.
+
+use crate::lattice::{Lattice, Tissue};
+use crate::math::{Pose, Vec3};
+use crate::needle::{self, Point};
+use crate::safety;
+use crate::solver::BePcg;
+use crate::thread;
+use crate::tissue::{self, Faces, Material};
+use sutura_shared::scene::{self, Effect, Scene};
+
+/// Why a scene cannot run.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ConfigError {
+    /// The lattice.
+    Tissue(tissue::Error),
+    /// The thread.
+    Thread(thread::ConfigError),
+    /// There is no skin where the thread's tail is to be held.
+    NoSkinAtSite,
+}
+
+impl From<tissue::Error> for ConfigError {
+    fn from(error: tissue::Error) -> Self {
+        Self::Tissue(error)
+    }
+}
+
+impl From<thread::ConfigError> for ConfigError {
+    fn from(error: thread::ConfigError) -> Self {
+        Self::Thread(error)
+    }
+}
+
+/// Coefficients of a scene; immutable while it runs.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Params {
+    pub(super) material: Material,
+    pub(super) solver: BePcg,
+    pub(super) needle: needle::Params,
+    pub(super) thread: Option<thread::Params>,
+    /// Where the thread's tail is held.
+    pub(super) tail: Point,
+    /// The thread lies on the skin.
+    pub(super) lies: bool,
+    pub(super) faces: Option<Faces>,
+    /// The faces meet.
+    pub(super) meet: bool,
+    pub(super) safety: safety::Params,
+    pub(super) patch_from_device: Pose,
+}
+
+impl Params {
+    pub(super) fn new<const N: usize>(
+        scene: &Scene,
+        material: Material,
+        lattice: &Lattice<N>,
+        tissue: &Tissue<N>,
+    ) -> Result<Self, ConfigError> {
+        let scene::Solver::BePcg { iterations, newton } = scene.solver;
+        let needle = needle::Params::new(scene);
+        let thread = match scene.thread.as_ref().filter(|_| scene.effects.has(Effect::Thread)) {
+            Some(thread) => Some(thread::build(thread, scene.contact.coupling_n_per_m, scene.effects)?),
+            None => None,
+        };
+        let mut tail = Point::default();
+        if let (Some(_), Some(stitch)) = (&thread, &scene.stitch) {
+            let [x, y] = stitch.left_m;
+            let above = Vec3::new(x, y, 0.0);
+            let z = tissue::height(lattice, tissue, above).ok_or(ConfigError::NoSkinAtSite)?;
+            let place = Vec3::new(x, y, z);
+            tail = Point::new(tissue::kernel_at(lattice, tissue, place, needle.kernel), place, tissue);
+        }
+        Ok(Self {
+            material,
+            solver: BePcg { iterations, newton },
+            needle,
+            thread,
+            tail,
+            lies: scene.effects.has(Effect::ThreadContact),
+            faces: tissue::faces(scene, lattice),
+            meet: scene.effects.has(Effect::WoundContact),
+            safety: safety::Params::new(&scene.output, scene.device.profile, scene.effects),
+            patch_from_device: Pose::from(scene.device.patch_from_device),
+        })
+    }
+}

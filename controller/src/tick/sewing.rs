@@ -1,0 +1,102 @@
+//! Thread and tissue: the points that hold it, and the skin it lies on.
+
+use super::State;
+use super::params::Params;
+use crate::coupling::{Coupling, RIGHT, TAIL};
+use crate::lattice::{Field, Lattice, Tissue};
+use crate::math::Vec3;
+use crate::needle::{Arc, Passage};
+use crate::thread::{self, Ends, Ground, Pull, Touch};
+use crate::tissue;
+use sutura_shared::scene::Stage;
+
+/// About what skin answers a point's displacement with [N/m]; it steers the thread's own iterations only.
+const SURFACE_STIFFNESS: f32 = 300.0;
+
+/// States the thread's pull on its two points, condensed, and adds it to the coupling.
+pub(super) fn strain<const N: usize>(
+    params: &Params,
+    state: &mut State,
+    arc: &Arc,
+    (lattice, tissue): (&Lattice<N>, &Tissue<N>),
+    (work, coupling): (&mut thread::Work, &mut Coupling),
+) {
+    let Some(thread) = &params.thread else { return };
+    let tail = params.tail.predicted(tissue);
+    let laid = || thread::State::laid(thread, arc.swage(), tail, Vec3::y());
+    let run = state.thread.get_or_insert_with(laid);
+    let eyelet = match &state.needle.right {
+        Passage::Passed(point) => {
+            run.lead_through();
+            Some(point)
+        }
+        _ => None,
+    };
+    let ends = Ends {
+        swage: Some(arc.swage()).filter(|_| state.stage.stage < Stage::Tie),
+        tail: Some(tail),
+        eyelet: eyelet.map(|point| point.predicted(tissue)),
+        end_stiffness: SURFACE_STIFFNESS,
+    };
+    let skin = Skin {
+        lattice,
+        tissue,
+        lies: params.lies,
+    };
+    let condensed = thread::condense(thread, run, &ends, &skin, work);
+    coupling.kernels[TAIL] = params.tail.kernel;
+    for (p, a) in [TAIL, RIGHT].into_iter().enumerate() {
+        coupling.force[a] += condensed.force[p];
+        for (q, b) in [TAIL, RIGHT].into_iter().enumerate() {
+            coupling.stiffness[a][b] += condensed.stiffness[p][q];
+        }
+    }
+}
+
+/// Ends the thread's tick; its weight on the skin loads the nodes in the next one.
+pub(super) fn relax<const N: usize>(
+    params: &Params,
+    state: &mut State,
+    moved: [Vec3; 2],
+    (lattice, load): (&Lattice<N>, &mut Field<N>),
+    work: &mut thread::Work,
+) -> Pull {
+    let (Some(thread), Some(run)) = (&params.thread, &mut state.thread) else {
+        return Pull::default();
+    };
+    let pull = thread::settle(thread, run, work, moved);
+    if params.lies {
+        load.iter_mut()
+            .for_each(|c| c.iter_mut().take(lattice.len()).for_each(|f| *f = 0.0));
+        for ((node, _), reaction) in run.live(thread).zip(&work.reaction) {
+            tissue::lifted(lattice, node, *reaction, load);
+        }
+    }
+    if state.stage.stage == Stage::Tie && state.stage.ticks == 0 {
+        run.tie(thread);
+    }
+    pull
+}
+
+/// The skin as the thread's ground.
+struct Skin<'a, const N: usize> {
+    lattice: &'a Lattice<N>,
+    tissue: &'a Tissue<N>,
+    /// Effect `thread-contact`.
+    lies: bool,
+}
+
+impl<const N: usize> Ground for Skin<'_, N> {
+    fn at(&self, p: Vec3) -> Option<Touch> {
+        if !self.lies {
+            return None;
+        }
+        let (height, normal) = tissue::surface(self.lattice, self.tissue, p)?;
+        let gap = (p.z - height) * normal.z;
+        // A node far below the skin is being led through the tissue, not lying on it.
+        (gap > -DEEP * self.lattice.pitch).then_some(Touch { gap, normal })
+    }
+}
+
+/// Depth from which a node counts as led through the tissue [pitches].
+const DEEP: f32 = 1.5;
