@@ -11,6 +11,7 @@ pub mod event;
 pub mod hash;
 pub mod lattice;
 pub mod law;
+pub mod link;
 pub mod math;
 pub mod needle;
 pub mod record;

@@ -71,7 +71,7 @@ pub enum ToHost {
     Reject(Reject),
     /// The upload is the scene now, at tick 0.
     Accepted(Accepted),
-    /// The upload is dropped; the scene before stays.
+    /// The upload is dropped; the scene before stays, except after [`UploadError::Build`].
     UploadRejected(UploadRejected),
     /// What happened in a tick.
     Telemetry(Telemetry),
@@ -189,7 +189,7 @@ pub enum UploadError {
     Encoding,
     /// A value of the scene is out of range.
     Value,
-    /// The controller cannot build this scene.
+    /// The controller cannot build this scene; it has none now.
     Build,
 }
 
