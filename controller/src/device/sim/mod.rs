@@ -37,7 +37,7 @@ impl core::fmt::Display for Error {
         let [x, y, z] = [x, y, z].map(|m| m * 1e3);
         write!(
             f,
-            "hand.start is ({x:.0}, {y:.0}, {z:.0}) mm in the device's frame, out of the arm's reach; move it or the device to within 100 mm"
+            "hand.start is ({x:.0}, {y:.0}, {z:.0}) mm in the device's frame, out of the arm's reach; move it or the device to within 60 mm of (0, 0, 0)"
         )
     }
 }
