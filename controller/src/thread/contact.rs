@@ -1,6 +1,6 @@
 //! The tissue's outer surface as the thread feels it: P_c = k Δx along the normal (Lian & Chen Eq. 8, Fig. 15).
 
-use crate::math::Vec3;
+use crate::math::{Mat3, Vec3};
 
 /// A surface on which a thread may lie.
 pub trait Ground {
@@ -17,9 +17,13 @@ pub struct Touch {
     pub normal: Vec3,
 }
 
-impl Touch {
-    /// Depth below the surface's tangent plane after the point has moved by `moved` [m]; zero outside.
-    pub(super) fn depth(&self, moved: Vec3) -> f32 {
-        (-self.gap - self.normal.dot(&moved)).max(0.0)
+/// Force of a surface with penalty `k` [N/m] on a point that has `moved` [m] since it was at `touch`, and the force's derivative
+/// to motion, negated [N/m].
+pub(super) fn press(touch: &Touch, k: f32, moved: Vec3) -> (Vec3, Mat3) {
+    let depth = -touch.gap - touch.normal.dot(&moved);
+    if depth > 0.0 {
+        (touch.normal * (k * depth), touch.normal * touch.normal.transpose() * k)
+    } else {
+        (Vec3::zeros(), Mat3::zeros())
     }
 }

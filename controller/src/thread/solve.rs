@@ -4,7 +4,7 @@
 //! with one column for the eyelet. A forward elimination from N₀ to the tail leaves `force − stiffness·c` at the points.
 
 use super::config::Params;
-use super::contact::{Ground, Touch};
+use super::contact::{Ground, Touch, press};
 use super::eyelet::{pieces, slide};
 use super::factor::Factor;
 use super::link::{self, Link, Piece};
@@ -108,25 +108,32 @@ struct Front {
     shared: Mat3,
     eyelet_force: Vec3,
     eyelet_block: Mat3,
+    /// Whether the eyelet has been reached; no node before it has a part in the eyelet's blocks.
+    through: bool,
 }
 
 impl Front {
     /// Eliminates the node at the front, which `link` joins to the next.
     fn eliminate(&mut self, link: &Link) -> Row {
-        let through = link.through.unwrap_or_default();
-        let shared = self.shared + through.ap;
         let factor = Factor::new(&(self.block + link.aa));
-        let row = Row {
+        let mut row = Row {
             alone: factor.solve(self.force + link.on_a),
             next: factor.solve_columns(&link.ab),
-            point: factor.solve_columns(&shared),
+            point: Mat3::zeros(),
         };
-        let (to_next, to_eyelet) = (link.ab.transpose(), shared.transpose());
+        let to_next = link.ab.transpose();
         self.force = link.on_b - to_next * row.alone;
         self.block = link.bb - to_next * row.next;
-        self.shared = through.bp - to_next * row.point;
-        self.eyelet_force += through.on_p - to_eyelet * row.alone;
-        self.eyelet_block += through.pp - to_eyelet * row.point;
+        self.through |= link.through.is_some();
+        if self.through {
+            let through = link.through.unwrap_or_default();
+            let shared = self.shared + through.ap;
+            let to_eyelet = shared.transpose();
+            row.point = factor.solve_columns(&shared);
+            self.shared = through.bp - to_next * row.point;
+            self.eyelet_force += through.on_p - to_eyelet * row.alone;
+            self.eyelet_block += through.pp - to_eyelet * row.point;
+        }
         row
     }
 }
@@ -267,11 +274,9 @@ fn own(params: &Params, state: &State, work: &Work, index: usize, front: &mut Fr
     }
     front.block += Mat3::from_diagonal_element(diagonal);
     if let (Some(penalty), Some(touch)) = (params.penalty, touch) {
-        let depth = touch.depth(new.fine);
-        if depth > 0.0 {
-            front.force += touch.normal * (penalty * depth);
-            front.block += touch.normal * touch.normal.transpose() * penalty;
-        }
+        let (force, block) = press(touch, penalty, new.fine);
+        front.force += force;
+        front.block += block;
     }
 }
 
@@ -342,6 +347,6 @@ fn react(params: &Params, work: &mut Work) {
     };
     let all = work.reaction.iter_mut().zip(&work.touch).zip(&work.nodes);
     for ((reaction, touch), node) in all.take(params.nodes) {
-        *reaction = touch.map_or_else(Vec3::zeros, |touch| touch.normal * (-penalty * touch.depth(node.fine)));
+        *reaction = touch.map_or_else(Vec3::zeros, |touch| -press(&touch, penalty, node.fine).0);
     }
 }

@@ -1,6 +1,8 @@
 //! Tests of the thread.
 
 mod behaviour;
+mod exact;
+
 mod reference;
 
 use sutura_shared::scene::{self, Effect, Effects};

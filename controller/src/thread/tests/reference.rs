@@ -169,11 +169,35 @@ impl Monolith {
         system
     }
 
+    /// Force and stiffness at the tissue's two points with every node eliminated, where the points now are.
+    pub(super) fn condensed(&self, swage: V) -> (Vec<f64>, Vec<Vec<f64>>) {
+        let System { force, hessian } = self.linearise(&self.x, swage);
+        let inner = 3 * self.links;
+        let block: Vec<Vec<f64>> = hessian[..inner].iter().map(|row| row[..inner].to_vec()).collect();
+        let alone = solve(block.clone(), force[..inner].to_vec());
+        let dot = |row: &[f64], x: &[f64]| row.iter().zip(x).map(|(a, b)| a * b).sum::<f64>();
+        let outer = inner..inner + 6;
+        let left = outer
+            .clone()
+            .map(|r| force[r] - dot(&hessian[r][..inner], &alone))
+            .collect();
+        let column = |c: usize| solve(block.clone(), hessian[..inner].iter().map(|row| row[c]).collect());
+        let columns: Vec<Vec<f64>> = outer.clone().map(column).collect();
+        let row = |r: usize| {
+            outer
+                .clone()
+                .zip(&columns)
+                .map(|(c, x)| hessian[r][c] - dot(&hessian[r][..inner], x))
+                .collect()
+        };
+        (left, outer.clone().map(row).collect())
+    }
+
     /// Newton's iteration with backtracking; the solution and the largest force left over.
     fn converge(&self, start: Vec<V>, swage: V) -> (Vec<V>, f64) {
         let mut x = start;
         let mut left = f64::INFINITY;
-        for _ in 0..300 {
+        for _ in 0..100 {
             let System { force, hessian } = self.linearise(&x, swage);
             left = force.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
             if left < 1e-10 {
@@ -196,23 +220,11 @@ impl Monolith {
         (x, left)
     }
 
-    /// The points as they were; where another link is to be in the eyelet, its node is put on the side it then belongs to.
-    fn start(&self, through: Option<usize>) -> Vec<V> {
-        let mut x = self.x.clone();
-        if let (Some(old), Some(new)) = (self.through, through)
-            && old != new
-        {
-            let (node, towards) = if new > old { (new, old) } else { (old, old + 1) };
-            let eyelet = x[self.links + 1];
-            let d = sub(x[towards], eyelet);
-            x[node] = [0, 1, 2].map(|r| eyelet[r] + 2e-4 * d[r] / norm(d));
-        }
-        x
-    }
-
     /// One tick. Of the links that could be in the eyelet the one with the least energy is: a frictionless thread slides
-    /// to it. Gives the force of the thread on the swage and the largest force left over.
-    pub(super) fn tick(&mut self, swage: V) -> (V, f64) {
+    /// to it. For each the energy is convex, so where the iteration begins has no part in the result; `near` is a place and a
+    /// link from which it converges. Gives the force of the thread on the swage and the largest force left over.
+    pub(super) fn tick(&mut self, swage: V, near: (Option<usize>, Vec<V>)) -> (V, f64) {
+        let (at, near) = near;
         let candidates = match self.through {
             None => vec![None],
             Some(k) => (k.saturating_sub(1)..=(k + 1).min(self.links - 1)).map(Some).collect(),
@@ -222,7 +234,8 @@ impl Monolith {
                 through,
                 ..self.clone()
             };
-            let (x, left) = trial.converge(self.start(through), swage);
+            let start = if through == at { near.clone() } else { self.x.clone() };
+            let (x, left) = trial.converge(start, swage);
             (trial.energy(&x, swage), through, x, left)
         });
         let (_, through, x, left) = tried.min_by(|a, b| a.0.total_cmp(&b.0)).unwrap();
