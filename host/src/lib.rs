@@ -2,5 +2,6 @@
 #![forbid(unsafe_code)]
 
 pub mod geometry;
+pub mod link;
 pub mod scene;
 pub mod voxelize;
