@@ -244,11 +244,12 @@ fn eliminate(params: &Params, state: &State, work: &mut Work, slack: f32) -> Con
             *slot = row;
         }
     }
+    let symmetric = |m: Mat3| (m + m.transpose()) * 0.5;
     Condensed {
         force: [front.force, front.eyelet_force],
         stiffness: [
-            [front.block, front.shared],
-            [front.shared.transpose(), front.eyelet_block],
+            [symmetric(front.block), front.shared],
+            [front.shared.transpose(), symmetric(front.eyelet_block)],
         ],
     }
 }
