@@ -105,3 +105,6 @@ impl<'m, P: Plant> Server<'m, P> {
         self.session.plant()
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -259,7 +259,7 @@ impl<'m, P: Plant> Session<'m, P> {
 }
 
 /// The tick's answer as the host gets it. What is not finite becomes zero and a fault: the host would refuse the frame and miss the tick.
-fn telemetry(output: &Output) -> Telemetry {
+pub(super) fn telemetry(output: &Output) -> Telemetry {
     let mut faults = output.faults;
     let mut finite = |x: f32| {
         faults = faults.with(Fault::State, !x.is_finite());
