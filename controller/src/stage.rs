@@ -93,7 +93,6 @@ mod tests {
         Passage::Touch(Touch {
             point: Point::default(),
             from: Vec3::zeros(),
-            sense: -1.0,
         })
     }
 

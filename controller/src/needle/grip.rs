@@ -7,6 +7,10 @@ use crate::lattice::Tissue;
 use crate::math::{Mat3, Pose, Vec3};
 use sutura_shared::scene::Site;
 
+/// Stretch of the virtual coupling at which the tip leaves the skin [m]: above the encoders' 29 µm, so that their steps alone
+/// do not make and break the contact.
+const ADHESION: f32 = 4e-5;
+
 /// Forces of the tool on its two points as the tissue's solver was given them.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Holds {
@@ -178,7 +182,7 @@ pub fn settle<const N: usize>(
                     from_tip: 0.0,
                     adhesion: 0.0,
                 });
-            } else if force.z * touch.sense < 0.0 {
+            } else if along < -params.stiffness * ADHESION {
                 *site = Passage::Ahead;
             }
         }

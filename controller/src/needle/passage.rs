@@ -45,8 +45,6 @@ pub struct Touch {
     pub point: Point,
     /// Where the point was when the tip met it [m].
     pub from: Vec3,
-    /// Outward through the skin as the tip goes: −1 from outside, +1 from below.
-    pub sense: f32,
 }
 
 /// The needle passes through the skin.
@@ -91,21 +89,17 @@ impl Passage {
 pub fn detect<const N: usize>(params: &Params, state: &mut State, arc: &Arc, lattice: &Lattice<N>, tissue: &Tissue<N>) {
     let (tip, tangent) = arc.tip();
     let surface = height(lattice, tissue, tip);
-    let meet = |sense: f32| {
+    let meet = || {
         let point = Point::new(kernel_at(lattice, tissue, tip, params.kernel), tip, tissue);
         if point.kernel.is_empty() {
             return Passage::Ahead;
         }
-        Passage::Touch(Touch {
-            point,
-            from: tip,
-            sense,
-        })
+        Passage::Touch(Touch { point, from: tip })
     };
     if let (Passage::Ahead, Some(surface)) = (state.left, surface)
         && tip.z < surface
     {
-        state.left = meet(-1.0);
+        state.left = meet();
     }
     let entered = matches!(state.left, Passage::Hole(_) | Passage::Passed(_));
     if let (true, Passage::Ahead, Some(surface)) = (entered, state.right, surface)
@@ -113,7 +107,7 @@ pub fn detect<const N: usize>(params: &Params, state: &mut State, arc: &Arc, lat
         && tip.z > surface - params.under
         && tip.z < surface
     {
-        state.right = meet(1.0);
+        state.right = meet();
     }
     for site in [&mut state.left, &mut state.right] {
         *site = slide(*site, arc, tissue);

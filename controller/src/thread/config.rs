@@ -66,7 +66,7 @@ impl Params {
 pub enum ConfigError {
     /// `nodes` is outside 3 to [`NODES_MAX`].
     Nodes(u16),
-    /// The links are shorter than a millimetre or not finite: the eyelet needs room for one node at a time.
+    /// The links are shorter than two millimetres or not finite: the eyelet needs room for one node at a time.
     Link,
     /// A coefficient, by its name, is not finite or has the wrong sign.
     Coefficient(&'static str),

@@ -32,6 +32,10 @@ pub(super) fn strain<const N: usize>(
         }
         _ => None,
     };
+    if state.stage.stage == Stage::Tie && state.stage.ticks == 0 {
+        // The knot holds before the needle is cut off.
+        run.tie(thread);
+    }
     let ends = Ends {
         swage: Some(arc.swage()).filter(|_| state.stage.stage < Stage::Tie),
         tail: Some(tail),
@@ -71,9 +75,6 @@ pub(super) fn relax<const N: usize>(
         for ((node, _), reaction) in run.live(thread).zip(&work.reaction) {
             tissue::lifted(lattice, node, *reaction, load);
         }
-    }
-    if state.stage.stage == Stage::Tie && state.stage.ticks == 0 {
-        run.tie(thread);
     }
     pull
 }
