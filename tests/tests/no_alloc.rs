@@ -1,4 +1,4 @@
-//! The controller allocates nothing, shown by an allocator that counts. A test binary of its own, since an allocator serves a whole program.
+//! Neither the controller nor the wire allocates, shown by an allocator that counts. A test binary of its own, since an allocator serves a whole program.
 
 /// The system's allocator with a count beside it.
 #[allow(unsafe_code)]
@@ -54,7 +54,10 @@ mod counting {
 
 use counting::calls_during;
 use std::hint::black_box;
-use sutura_controller::math::{Pose, Vec3};
+use sutura_shared::frame::Decoder;
+use sutura_shared::limits::WIRE_MAX;
+use sutura_shared::message::{Telemetry, ToHost};
+use sutura_shared::scene::Stage;
 
 /// Ten seconds of the simulated hand.
 const TICKS: u32 = 10_000;
@@ -69,13 +72,31 @@ fn the_counter_counts() {
 }
 
 #[test]
-fn frames_are_composed_without_allocating() {
+fn messages_cross_the_wire_without_allocating() {
+    let sent = ToHost::Telemetry(Telemetry {
+        tick: 1,
+        stage: Stage::Drive,
+        faults: 0,
+        position_m: [0.1, 0.2, 0.3],
+        simulated_n: [0.4, 0.5, 0.6],
+        rendered_n: [0.7, 0.8, 0.9],
+        thread_n: 1.0,
+        gap_m: 1.1,
+        gap_mean_m: 1.2,
+        saturated: true,
+    });
+    let mut wire = [0; WIRE_MAX];
+    let mut decoder = Decoder::new();
+    let mut arrived = 0;
     let calls = calls_during(|| {
-        let mut pose = Pose::default();
         for _ in 0..TICKS {
-            pose = pose.then(&black_box(pose).inverse());
-            black_box(pose.point(Vec3::x()));
+            let bytes = black_box(&sent).encode(1, 2, &mut wire).unwrap_or_default();
+            for byte in bytes {
+                if let Some(Ok(frame)) = decoder.push(*byte) {
+                    arrived += u32::from(ToHost::decode(&frame).as_ref() == Ok(&sent));
+                }
+            }
         }
     });
-    assert_eq!(calls, 0);
+    assert_eq!((arrived, calls), (TICKS, 0));
 }
