@@ -118,7 +118,7 @@ impl<const N: usize> Lattice<N> {
     #[must_use]
     pub fn rest_place(&self, index: usize) -> Vec3 {
         let [nx, ny, _] = self.nodes.map(|n| (n as usize).max(1));
-        let at = [index % nx, index / nx % ny, index / (nx * ny)];
+        let at = [index % nx, index / nx % ny, index / nx / ny];
         let [x, y, z] = self.origin;
         let [i, j, k] = at.map(|n| n as f32 * self.pitch);
         Vec3::new(x + i, y + j, z + k)

@@ -15,6 +15,7 @@ pub mod link;
 pub mod math;
 pub mod needle;
 pub mod record;
+pub mod rig;
 pub mod safety;
 pub mod solver;
 pub mod stage;

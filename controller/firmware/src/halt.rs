@@ -36,7 +36,8 @@ unsafe fn DefaultHandler(_: i16) -> ! {
     halt()
 }
 
-fn halt() -> ! {
+/// Zero force, for ever.
+pub(crate) fn halt() -> ! {
     actuator::release();
     loop {
         core::hint::spin_loop();

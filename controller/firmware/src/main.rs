@@ -1,4 +1,4 @@
-//! The controller as a bare-metal image: no operating system, no allocator, no stack for what grows.
+//! The controller as a bare-metal image: no operating system, no allocator, nothing large on the stack.
 //!
 //! There is no `#[global_allocator]`, so that the image links is the proof that neither the controller nor the wire allocates.
 #![no_std]
@@ -10,23 +10,35 @@ mod halt;
 mod uart;
 
 use static_cell::ConstStaticCell;
-use sutura_controller as _;
-use sutura_shared::frame::Decoder;
-use sutura_shared::message::ToController;
+use sutura_controller::lattice::Lattice;
+use sutura_controller::link::Server;
+use sutura_controller::rig::Rig;
+use sutura_controller::tick::Memory;
+use sutura_shared::limits::STAGING_MAX;
 use uart::Uart;
 
-static DECODER: ConstStaticCell<Decoder> = ConstStaticCell::new(Decoder::new());
+/// Array length of a patch that fits the memory of a common Cortex-M7 (512 KiB): holds 10 × 8 × 7 nodes.
+const NODES: usize = Lattice::<0>::guard([10, 8, 7]) as usize;
+
+// Both are all zeros, so they cost no room in the image and are never built on the stack.
+static MEMORY: ConstStaticCell<Memory<NODES>> = ConstStaticCell::new(bytemuck::zeroed());
+static STAGING: ConstStaticCell<[u8; STAGING_MAX]> = ConstStaticCell::new([0; STAGING_MAX]);
 
 #[cortex_m_rt::entry]
 fn main() -> ! {
     actuator::release();
-    let decoder = DECODER.take();
-    let mut uart = Uart::open();
+    let uart = Uart::open();
+    let (Some(memory), Some(staging)) = (MEMORY.try_take(), STAGING.try_take()) else {
+        halt::halt();
+    };
+    let mut server = Server::new(Rig::new(memory), staging);
     loop {
-        let frame = uart.receive().and_then(|byte| decoder.push(byte)).and_then(Result::ok);
-        match frame.map(|frame| ToController::decode(&frame)) {
-            Some(Ok(ToController::Stop)) => actuator::release(),
-            _ => core::hint::spin_loop(),
+        if let Some(byte) = uart.receive() {
+            server.receive(&[byte], &mut |frame| uart.send(frame));
         }
+        if server.ready() {
+            server.step(&mut |frame| uart.send(frame));
+        }
+        actuator::render(server.plant().force().get().into());
     }
 }

@@ -34,12 +34,12 @@ impl Uart {
     }
 
     /// The next byte from the host, if one is there.
-    pub(crate) fn receive(&mut self) -> Option<u8> {
+    pub(crate) fn receive(&self) -> Option<u8> {
         (read(STATE) & RECEIVED != 0).then(|| read(DATA).to_le_bytes()[0])
     }
 
     /// Sends bytes to the host; waits for the line.
-    pub(crate) fn send(&mut self, bytes: &[u8]) {
+    pub(crate) fn send(&self, bytes: &[u8]) {
         for byte in bytes {
             while read(STATE) & SEND_FULL != 0 {}
             write(DATA, u32::from(*byte));

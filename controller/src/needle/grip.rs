@@ -121,7 +121,7 @@ fn guide<const N: usize>(
     if limit > 0.0 {
         let reach = limit / params.stiffness;
         let strain = near.from_tip - hole.adhesion;
-        let held = strain.clamp(-reach, reach);
+        let held = strain.max(-reach).min(reach);
         hole.adhesion = near.from_tip - held;
         hold.force += near.tangent * (params.stiffness * held);
         if held.to_bits() == strain.to_bits() {

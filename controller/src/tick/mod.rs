@@ -87,6 +87,12 @@ impl<'m, const N: usize> Controller<'m, N> {
         Ok(())
     }
 
+    /// The patch; empty without a scene.
+    #[must_use]
+    pub const fn lattice(&self) -> &Lattice<N> {
+        &self.memory.lattice
+    }
+
     /// One millisecond. It never fails: a fault is data in the output, and zero force.
     pub fn tick(&mut self, sample: &Sample) -> Output {
         let Some((params, state)) = &mut self.running else {

@@ -8,27 +8,34 @@ use super::{Source, Violation, text};
 const FOLDER: &str = "controller/src/";
 
 /// The floors, from the bottom. Every module below [`FOLDER`] stands on one.
-const FLOORS: [&[&str]; 10] = [
+const FLOORS: [&[&str]; 14] = [
     // Plain arithmetic.
-    &["math", "hash"],
+    &["math"],
+    &["hash"],
     // Immutable parameters and everything that changes: plain data.
     &["lattice", "event"],
-    // What ties the tool and the thread to nodes of the lattice: weights, nothing else.
-    &["coupling", "surface", "wound"],
+    // What holds the tissue: weighted points of the lattice.
+    &["coupling"],
+    // Where the lattice ends: its skin, and the faces of its wound.
+    &["surface", "wound"],
     // What a spring is.
     &["law"],
     // How a stiff spring system is advanced.
     &["solver"],
     // Behaviour: free functions (params, state, inputs) → record.
-    &["needle", "thread", "tissue", "contact", "force", "safety", "stage"],
+    &["needle", "thread", "tissue", "contact", "force", "safety"],
+    // Read off all of them: where a stitch is.
+    &["stage"],
     // What crosses the tick's edges, a limited force among it.
     &["record"],
     // The hand's side of that edge.
     &["device"],
     // One millisecond on one page.
     &["tick"],
-    // The controller behind frames.
+    // Whatever ticks, behind frames.
     &["link"],
+    // The controller and a simulated device there.
+    &["rig"],
 ];
 
 /// Imports of a peer or of a floor above, modules without a floor, and names whose module cannot be seen.
