@@ -10,12 +10,14 @@
 //! | [`winding`] | generalized winding numbers where a surface has holes |
 //! | [`voxelize`] | which cells of a grid are inside a surface |
 //! | [`lattice`] | nodes and springs of a set of cells |
+//! | [`phantom`] | the built-in anatomy |
 //!
 //! Lengths are in millimetres unless a name says otherwise; everything is `f64`.
 
 pub mod grid;
 pub mod lattice;
 pub mod mesh;
+pub mod phantom;
 pub mod scanline;
 pub mod stl;
 pub mod units;
