@@ -41,7 +41,7 @@ fn cut_at(meshes: &[Mesh; 3], site: &Site, block: &Block) -> Result<Patch, Patch
 /// Where the skin is flat within 2 mm over 44 mm and faces (0.93, 0.36, −0.05).
 fn site() -> Site {
     Site {
-        point: Vec3::new(195.0, 163.0, 27.0),
+        point: Vec3::new(195.5, 160.0, 21.0),
         normal: None,
         along: Vec3::z(),
         radius_mm: 15.0,

@@ -95,7 +95,7 @@ impl Solid {
         direction * scale
     }
 
-    /// The surface as triangles of about [`FACET`], facing outwards.
+    /// The surface as triangles of about 2 mm, facing outwards.
     #[must_use]
     pub fn surface(&self) -> Mesh {
         let mut corners = Vec::new();
