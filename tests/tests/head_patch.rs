@@ -2,20 +2,29 @@
 //!
 //! The three surfaces nest: the skin is the body's outside, muscle and bone lie within, and fat between them belongs to no mesh of its own.
 
+use std::path::PathBuf;
+
+use sutura::geometry::Vec3;
 use sutura::geometry::frame::Site;
 use sutura::geometry::mesh::Mesh;
 use sutura::geometry::patch::{Anatomy, Block, Patch, PatchError, Shell, Tissue, Wound, cut};
-use sutura::geometry::{Vec3, stl};
+use sutura::geometry::stl::{self, StlError};
 
 const NAMES: [&str; 3] = ["bone", "muscle", "skin"];
 
-fn head(name: &str) -> Option<[Mesh; 3]> {
-    let mut meshes = NAMES.map(|_| Mesh::default());
-    for (mesh, tissue) in meshes.iter_mut().zip(NAMES) {
-        let path = sutura_tests::shared(name, &format!("data/anat_stl/cranium_{tissue}.stl"))?;
-        *mesh = stl::read(&path).unwrap().mesh;
-    }
-    Some(meshes)
+fn head(name: &str) -> Option<Result<[Mesh; 3], StlError>> {
+    let paths: Option<Vec<_>> = NAMES
+        .into_iter()
+        .map(|tissue| sutura_tests::shared(name, &format!("data/anat_stl/cranium_{tissue}.stl")))
+        .collect();
+    let read = |paths: Vec<PathBuf>| {
+        let mut meshes = NAMES.map(|_| Mesh::default());
+        for (mesh, path) in meshes.iter_mut().zip(paths) {
+            *mesh = stl::read(&path)?.mesh;
+        }
+        Ok(meshes)
+    };
+    paths.map(read)
 }
 
 fn cut_at(meshes: &[Mesh; 3], site: &Site, block: &Block) -> Result<Patch, PatchError> {
@@ -66,6 +75,7 @@ fn block() -> Block {
 #[test]
 fn patch_has_skin_on_top_and_muscle_below() {
     let Some(meshes) = head("head_patch") else { return };
+    let meshes = meshes.unwrap();
     let patch = cut_at(&meshes, &site(), &block()).unwrap();
     let normal = patch.patch_from_world.rotation.inverse() * Vec3::z();
     assert!(
@@ -100,6 +110,7 @@ fn patch_has_skin_on_top_and_muscle_below() {
 #[test]
 fn site_over_the_skull_is_refused() {
     let Some(meshes) = head("head_patch") else { return };
+    let meshes = meshes.unwrap();
     // The crown has a few millimetres of skin over the skull.
     let crown = Site {
         point: Vec3::new(128.0, 120.0, 159.0),
