@@ -277,3 +277,111 @@ fn is_text(bytes: &[u8]) -> bool {
     let control = |&b: &u8| b < b' ' && !b.is_ascii_whitespace();
     says_solid && !binary::has_counted_length(bytes) && !head.iter().any(control)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::mesh::tests::cube;
+    use super::*;
+
+    const FACET: &str = "facet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\n";
+
+    fn said(bytes: &[u8]) -> Vec<String> {
+        parse(bytes)
+            .unwrap()
+            .warnings
+            .iter()
+            .map(ToString::to_string)
+            .filter(|w| !w.starts_with("not closed"))
+            .collect()
+    }
+
+    fn refused(bytes: &[u8]) -> String {
+        parse(bytes).unwrap_err().to_string()
+    }
+
+    #[test]
+    fn binary_files_come_back_as_written() {
+        let cube = cube(Vec3::new(0.5, -1.0, 2.0));
+        let reading = parse(&encode(&cube)).unwrap();
+        assert_eq!((reading.solids, reading.warnings.len()), (1, 0));
+        assert!(reading.mesh.corners().eq(cube.corners()));
+    }
+
+    #[test]
+    fn text_is_read_whatever_its_case_line_ends_and_number_of_solids() {
+        let two = format!(
+            "\n\n  solid one\n{FACET}endsolid one\nsolid two\n{}endsolid",
+            FACET.replace("0 1 0", "0 2 0")
+        );
+        for text in [
+            two.clone(),
+            two.to_uppercase(),
+            two.replace('\n', "\r\n"),
+            two.replace('\n', "\r"),
+        ] {
+            let reading = parse(text.as_bytes()).unwrap();
+            assert_eq!((reading.solids, reading.mesh.triangles.len()), (2, 2));
+            assert_eq!(said(text.as_bytes()), [String::new(); 0]);
+        }
+    }
+
+    #[test]
+    fn a_binary_header_may_say_solid() {
+        let mut bytes = encode(&cube(Vec3::zeros()));
+        bytes[..6].copy_from_slice(b"solid ");
+        assert_eq!(parse(&bytes).unwrap().mesh.triangles.len(), 12);
+        // Also where the count does not fit: no text holds zero bytes.
+        bytes.extend([0; 7]);
+        assert_eq!(
+            said(&bytes),
+            ["byte 684: 7 bytes behind the last counted triangle, left out"]
+        );
+    }
+
+    #[test]
+    fn what_is_left_out_of_text_is_named_by_line() {
+        let bad = "facet normal 0 0 1\nouter loop\nvertex 0 0 nan\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\n";
+        let text = format!("\u{feff}solid\n{FACET}color 1 2 3\n{bad}{bad}");
+        let expected = [
+            "byte 0: byte order mark, left out",
+            "line 16: triangle with a coordinate that is not finite, left out (2 such)",
+            "line 9: `color` is no STL keyword, line left out (1 such)",
+            "line 23: solid without `endsolid`, the file may be cut short (1 such)",
+        ];
+        assert_eq!(said(text.as_bytes()), expected);
+    }
+
+    #[test]
+    fn what_makes_no_sense_is_refused_by_line_or_byte() {
+        let solid = format!("solid\n{FACET}");
+        assert_eq!(
+            refused(b""),
+            "byte 0: the file is empty; an STL file begins with `solid` or has at least 84 bytes"
+        );
+        for (text, says) in [
+            (format!("{solid}facet"), "line 9: the file ends inside a facet"),
+            (format!("{solid}vertex 1 2 3"), "line 9: `vertex` outside of a facet"),
+            (solid.replace("1 0 0", "1 O 0"), "line 5: `vertex` needs three numbers"),
+            (solid.replace("endfacet\n", "facet\n"), "line 8: `facet` inside a facet"),
+            (
+                "solid a story\nof no shape".into(),
+                "line 2: the file ends without one usable triangle",
+            ),
+        ] {
+            let message = refused(text.as_bytes());
+            assert!(message.starts_with(says), "{message}");
+        }
+    }
+
+    /// Every beginning of a file is either read or refused, never a panic, and a binary one that is cut never read.
+    #[test]
+    fn every_beginning_of_a_file_is_read_or_refused() {
+        let binary = encode(&cube(Vec3::zeros()));
+        assert!((0..binary.len()).all(|len| parse(&binary[..len]).is_err()));
+        let text = format!("solid\n{FACET}endsolid");
+        for len in 0..text.len() {
+            // What ends behind a whole facet has lost nothing.
+            assert_eq!(parse(&text.as_bytes()[..len]).is_ok(), len + 9 >= text.len(), "{len}");
+        }
+    }
+}
