@@ -321,7 +321,7 @@ mod tests {
         ] {
             let reading = parse(text.as_bytes()).unwrap();
             assert_eq!((reading.solids, reading.mesh.triangles.len()), (2, 2));
-            assert_eq!(said(text.as_bytes()), [String::new(); 0]);
+            assert!(said(text.as_bytes()).is_empty());
         }
     }
 
