@@ -8,7 +8,7 @@ use sutura_controller::lattice::PC_NODES;
 use sutura_controller::math::{Mat3, Pose, Vec3};
 use sutura_controller::needle::{self, Arc, Params};
 use sutura_controller::solver::{BePcg, Problem, Solver};
-use sutura_controller::tissue;
+use sutura_controller::{tissue, wound};
 
 /// Presses the tip along the nominal arc's entry tangent at 8 mm/s until the puncture; gives its depth.
 fn depth_at_f0(cells: [u16; 3], pitch: f32, gap: u16) -> f32 {
@@ -17,7 +17,7 @@ fn depth_at_f0(cells: [u16; 3], pitch: f32, gap: u16) -> f32 {
     let material = tissue::assemble(&scene, &bytes, &mut lattice).unwrap();
     let params = Params::new(&scene);
     let mut state = needle::State::default();
-    let faces = tissue::faces(&scene, &lattice);
+    let faces = wound::faces(&scene, &lattice);
     let site = scene.stitch.unwrap().right_m[0];
     let radius = 0.026 / std::f32::consts::PI;
     let load = Box::new([[0.0; PC_NODES]; 3]);

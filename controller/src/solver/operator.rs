@@ -5,7 +5,7 @@ use super::{Problem, Work};
 use crate::coupling::{Coupling, POINTS};
 use crate::lattice::{DIRECTIONS, Field, Lattice};
 use crate::math::{DT, Mat3, Vec3};
-use crate::tissue::Faces;
+use crate::wound::Faces;
 use nalgebra::{SMatrix, SVector};
 
 /// Unknowns of the coupling points.

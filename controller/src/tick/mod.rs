@@ -18,7 +18,8 @@ use crate::safety::{self, Gate};
 use crate::solver::{Problem, Solver, Work};
 use crate::stage;
 use crate::thread;
-use crate::tissue::{self, Gap};
+use crate::tissue;
+use crate::wound::{self, Gap};
 use bytemuck::Zeroable;
 use params::Params;
 use sutura_shared::scene::Scene;
@@ -177,7 +178,7 @@ impl<'m, const N: usize> Controller<'m, N> {
         let gap = params
             .faces
             .as_ref()
-            .map_or_else(Gap::default, |f| tissue::gap(f, lattice, tissue));
+            .map_or_else(Gap::default, |f| wound::gap(f, lattice, tissue));
         Output {
             tick: state.tick,
             stage: state.stage.stage,
