@@ -6,6 +6,7 @@ mod blocks;
 mod operator;
 mod reduce;
 
+pub use assembly::elastic_force;
 pub use be_pcg::BePcg;
 
 use crate::coupling::Coupling;
