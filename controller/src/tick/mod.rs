@@ -161,12 +161,6 @@ impl<'m, const N: usize> Controller<'m, N> {
         }
     }
 
-    /// The patch, for reports.
-    #[must_use]
-    pub const fn lattice(&self) -> &Lattice<N> {
-        &self.memory.lattice
-    }
-
     /// The patch's state, for reports.
     #[must_use]
     pub const fn tissue(&self) -> &Tissue<N> {
