@@ -3,5 +3,7 @@
 
 pub mod geometry;
 pub mod link;
+pub mod plot;
+pub mod run;
 pub mod scene;
 pub mod voxelize;

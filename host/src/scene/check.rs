@@ -210,8 +210,7 @@ mod tests {
 
     #[test]
     fn the_built_in_scene_is_in_si_units() {
-        let plan = altered("law = \"isotropic\"", "law = \"axial\"").unwrap();
-        assert_eq!(plan.patch.law, scene::Law::Axial);
+        let plan = altered("thickness_mm = 2 ", "thickness_mm = 1.2 ").unwrap();
         assert_eq!(
             plan.solver,
             Solver::BePcg {
@@ -221,7 +220,7 @@ mod tests {
         );
         let thread = plan.thread.unwrap();
         assert_eq!((thread.nodes, thread.link_m, thread.mass_kg_per_m), (24, 0.005, 43e-6));
-        // R = L/θ: a half circle of 26 mm has R = 8.276 mm.
+        // 1.2 mm of skin in voxels of 2 mm; R = L/θ: a half circle of 26 mm has R = 8.276 mm.
         assert!(matches!(plan.tool, scene::Tool::Needle { radius_m, .. } if (radius_m - 8.276e-3).abs() < 1e-6));
         let Body::Soft { curve, sheet } = &plan.tissues[0].body.body else {
             panic!("skin is soft")
@@ -271,7 +270,7 @@ mod tests {
             "wound.gap_mm = 5 is no multiple of patch.pitch_mm = 2; the nearest is 6",
         ),
         (
-            "kernel_mm = 3 ",
+            "kernel_mm = 3.5 ",
             "kernel_mm = 2 ",
             "kernel_mm",
             "contact.kernel_mm = 2 is out of range: 3 to 10",

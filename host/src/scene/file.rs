@@ -70,6 +70,8 @@ pub struct Patch {
     pub site_mm: Option<Spanned<[f64; 3]>>,
     /// Outward normal of the skin there, in the meshes' frame; without it the mean of the mesh.
     pub normal: Option<Spanned<[f64; 3]>>,
+    /// Direction of the wound, in the meshes' frame; its part along the skin counts.
+    pub along: Spanned<[f64; 3]>,
     /// Spring constants from Young's modulus.
     #[serde(with = "LawName")]
     pub law: Law,
@@ -93,7 +95,7 @@ pub struct Tissue {
     pub slopes_kpa: Option<Spanned<Vec<Number>>>,
     /// Strains between the slopes; effect `stiffening`.
     pub breaks_percent: Option<Spanned<Vec<Number>>>,
-    /// Thickness of a sheet thinner than a voxel; soft tissue.
+    /// Thickness of the layer under the outer surface that this tissue is; one soft tissue.
     pub thickness_mm: Option<Number>,
     /// Its surface; not with a phantom.
     pub mesh: Option<Spanned<Mesh>>,

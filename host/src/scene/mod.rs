@@ -7,7 +7,9 @@
 //! | [`check`] | allowed ranges, effects and their keys |
 //! | [`plan`] | the checked scene |
 //! | [`operator`] | the hand's script |
+//! | [`build`] | the patch and the record for the controller |
 
+pub mod build;
 pub mod check;
 pub mod file;
 pub mod operator;

@@ -49,6 +49,8 @@ pub struct Patch {
     pub site_mm: Option<[f64; 3]>,
     /// Outward normal there.
     pub normal: Option<[f64; 3]>,
+    /// Direction of the wound, in the meshes' frame.
+    pub along: [f64; 3],
     /// Spring constants from Young's modulus.
     pub law: Law,
     /// Mass damping [1/s].
@@ -64,6 +66,8 @@ pub struct Tissue {
     pub name: String,
     /// What the controller is told of it.
     pub body: sutura_shared::scene::Tissue,
+    /// Thickness, where it is a layer under the outer surface [mm].
+    pub sheet_mm: Option<f64>,
     /// Its surface; none with a phantom.
     pub mesh: Option<Mesh>,
 }

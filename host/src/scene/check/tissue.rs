@@ -37,6 +37,7 @@ impl Keys<'_> {
             pitch_mm: self.source.number("patch.pitch_mm", &patch.pitch_mm, [0.1, 20.0])?,
             site_mm: patch.site_mm.as_ref().map(|site| *site.get_ref()),
             normal: patch.normal.as_ref().map(|normal| *normal.get_ref()),
+            along: *patch.along.get_ref(),
             law: patch.law,
             damping_per_s: self
                 .source
@@ -56,6 +57,15 @@ impl Keys<'_> {
         for entry in &file.tissue {
             let tissue = entry.get_ref();
             let name = tissue.name.get_ref();
+            if let (Some(thickness), true) = (
+                &tissue.thickness_mm,
+                tissues.iter().any(|known| known.sheet_mm.is_some()),
+            ) {
+                return Err(self.source.fault(
+                    thickness.span(),
+                    format!("tissue {name}: one tissue may have thickness_mm, another one has it"),
+                ));
+            }
             if tissues.iter().any(|known| known.name == *name) {
                 return Err(self
                     .source
@@ -67,7 +77,7 @@ impl Keys<'_> {
                         format!("tissue {name}: key mesh changes nothing beside key phantom; remove one of them");
                     return Err(self.source.fault(mesh.span(), what));
                 }
-                (None, None) => {
+                (None, None) if tissue.thickness_mm.is_none() => {
                     let what =
                         format!("tissue {name}: key mesh is missing, such as mesh = {{ path = \"{name}.stl\" }}");
                     return Err(self.source.fault(entry.span(), what));
@@ -77,6 +87,7 @@ impl Keys<'_> {
             tissues.push(Tissue {
                 name: name.clone(),
                 body: self.body(entry, *file.patch.pitch_mm.get_ref())?,
+                sheet_mm: tissue.thickness_mm.as_ref().map(|thickness| *thickness.get_ref()),
                 mesh: tissue.mesh.as_ref().map(|mesh| mesh.get_ref().clone()),
             });
         }

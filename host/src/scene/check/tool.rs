@@ -12,6 +12,9 @@ use crate::scene::source::Error;
 /// Half the distance of the punctures over the needle's radius, at most: beyond it the needle meets the skin too flat.
 const WIDEST: f64 = 0.95;
 
+/// Most links of the controller's thread.
+const LINKS_MAX: f64 = (sutura_controller::thread::NODES_MAX - 1) as f64;
+
 impl Keys<'_> {
     pub(super) fn tool(&self, file: &File) -> Result<scene::Tool, Error> {
         match (&file.needle, &file.ball) {
@@ -106,7 +109,7 @@ impl Keys<'_> {
         let link = self.source.number("thread.link_mm", &thread.link_mm, [0.5, 20.0])?;
         let length = self
             .source
-            .number("thread.length_mm", &thread.length_mm, [3.0 * link, 400.0])?;
+            .number("thread.length_mm", &thread.length_mm, [3.0 * link, link * LINKS_MAX])?;
         let penalty = self.gated(
             "thread.penalty_n_per_m",
             &thread.penalty_n_per_m,

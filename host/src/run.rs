@@ -1,0 +1,227 @@
+//! One run: scene → patch → controller → figures and files.
+
+pub mod files;
+pub mod log;
+pub mod report;
+pub mod rig;
+
+use std::ops::ControlFlow;
+use std::path::PathBuf;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use sutura_controller::record::{Fault, Faults};
+use sutura_shared::message::{Telemetry, ToHost, UploadError};
+use sutura_shared::scene::{Effect, Solver, Stage};
+
+use crate::link::{Counts, Link, LinkError, Pace, Ran};
+use crate::scene::{self, build};
+use crate::voxelize::Springs;
+use log::Log;
+use report::{LinkCount, Report, TickTime, WoundGap};
+
+/// Longest run [ticks].
+pub const TICKS_MAX: u32 = 60_000;
+/// Ticks that a run goes on after its stitch is done, for the thread to be let go and the tissue to rest.
+const AFTER: u32 = 1_500;
+
+/// Runs a scene; `progress` sees every tick, `interrupted` ends the run without a trace.
+///
+/// # Errors
+/// See [`Error`].
+pub fn run(request: &Request, interrupted: &AtomicBool, progress: impl FnMut(&Telemetry)) -> Result<Report, Error> {
+    let mut plan = scene::load(request.scene.as_deref())?;
+    scene::replace_meshes(&mut plan, &request.meshes)?;
+    let built = build::build(&plan, rig::NODES_MAX)?;
+    for warning in &built.warnings {
+        tracing::warn!("{warning}");
+    }
+    files::folder(&request.out)?;
+    let session = session(request, &built, interrupted, progress)?;
+    if session.log.ticks.last().is_none_or(|tick| tick.stage != Stage::Done) && request.seconds.is_none() {
+        tracing::warn!(
+            "not done after {} s of simulated time: the run was ended",
+            TICKS_MAX / 1000
+        );
+    }
+    let title = match &request.scene {
+        Some(path) => format!("Force on the hand: {}", path.display()),
+        None => "Force on the hand over one stitch".to_owned(),
+    };
+    files::write(&request.out, &title, &session.log)?;
+    Ok(report(request, &built, session))
+}
+
+/// Uploads the scene to a controller of our own and listens until the run is over.
+fn session(
+    request: &Request,
+    built: &build::Built,
+    interrupted: &AtomicBool,
+    mut progress: impl FnMut(&Telemetry),
+) -> Result<Session, Error> {
+    let pace = if request.realtime { Pace::Realtime } else { Pace::Free };
+    let (transport, thread) = rig::start(pace).map_err(Error::Thread)?;
+    let mut link = Link::connect(transport)?;
+    link.upload(&built.scene, &built.cells)?;
+    let mut log = Log::default();
+    let mut done_for = 0;
+    let last_tick = request
+        .seconds
+        .map_or(TICKS_MAX, |seconds| ((seconds * 1e3).ceil() as u32).clamp(1, TICKS_MAX));
+    let (ticks, state_hash) = link.run(last_tick, |message| {
+        match message {
+            ToHost::Telemetry(tick) => {
+                done_for = if tick.stage == Stage::Done { done_for + 1 } else { 0 };
+                progress(tick);
+                log.ticks.push(*tick);
+            }
+            ToHost::Puncture(puncture) => log.punctures.push(*puncture),
+            _ => {}
+        }
+        if done_for >= AFTER || interrupted.load(Ordering::Relaxed) {
+            ControlFlow::Break(())
+        } else {
+            ControlFlow::Continue(())
+        }
+    })?;
+    let counts = link.counts();
+    drop(link);
+    let ran = thread.join().map_err(|_| Error::Controller)?;
+    if interrupted.load(Ordering::Relaxed) {
+        return Err(Error::Interrupted);
+    }
+    Ok(Session {
+        log,
+        ticks,
+        state_hash,
+        counts,
+        ran,
+    })
+}
+
+fn report(request: &Request, built: &build::Built, session: Session) -> Report {
+    let Session {
+        log,
+        ticks,
+        state_hash,
+        counts,
+        ran,
+    } = session;
+    let gap = built.scene.wound.and(log.gap());
+    let faults = Faults(log.faults());
+    Report {
+        voxels: built.counts.voxels,
+        nodes: built.counts.nodes,
+        surface_nodes: built.counts.surface_nodes,
+        springs: Springs {
+            edge: built.counts.edges,
+            body_diagonal: built.counts.body_diagonals,
+        },
+        tissues: built
+            .tissues
+            .iter()
+            .map(|(name, voxels)| (name.clone(), (*voxels).into()))
+            .collect(),
+        effects: Effect::ALL
+            .into_iter()
+            .filter(|&effect| built.scene.effects.has(effect))
+            .map(Effect::name)
+            .collect(),
+        solver: solver_name(built.scene.solver),
+        ticks,
+        stages: log.stages(),
+        punctures: log.punctures(),
+        wound_gap_mm: WoundGap {
+            at_stitch: gap.iter().map(|[at_stitch, _]| *at_stitch).collect(),
+            mean: gap.map(|[_, mean]| mean),
+        },
+        force_n: log.peaks(),
+        saturated_ticks: log.saturated(),
+        faults: Fault::ALL
+            .into_iter()
+            .filter(|&fault| faults.has(fault))
+            .map(Fault::name)
+            .collect(),
+        state_hash: format!("{state_hash:016x}"),
+        tick_us: TickTime::of(ran.tick_ns.iter().map(|&ns| u64::from(ns)).collect()),
+        link: LinkCount {
+            frames: counts.frames + u64::from(ran.received.frames),
+            errors: counts.errors + u64::from(ran.received.errors) + u64::from(ran.received.missing),
+        },
+        out: request.out.display().to_string(),
+    }
+}
+
+/// The solver as a scene names it.
+fn solver_name(solver: Solver) -> String {
+    let Solver::BePcg { iterations, newton } = solver;
+    format!("be-pcg:{iterations}:{newton}")
+}
+
+/// What to run.
+#[derive(Clone, Debug)]
+pub struct Request {
+    /// A scene file; none is the built-in scene.
+    pub scene: Option<PathBuf>,
+    /// Other meshes for its tissues.
+    pub meshes: Vec<(String, PathBuf)>,
+    /// Where to stop, if before the end [s].
+    pub seconds: Option<f64>,
+    /// Whether a second of the simulation takes a second.
+    pub realtime: bool,
+    /// Folder for the files.
+    pub out: PathBuf,
+}
+
+/// What came of a session with a controller.
+struct Session {
+    log: Log,
+    ticks: u32,
+    state_hash: u64,
+    counts: Counts,
+    ran: Ran,
+}
+
+/// Why a run has no result; one line each.
+#[derive(Debug, thiserror::Error)]
+pub enum Error {
+    /// The scene file.
+    #[error(transparent)]
+    Scene(#[from] scene::Error),
+    /// Its meshes and its patch.
+    #[error(transparent)]
+    Build(#[from] build::Error),
+    /// The files of the run.
+    #[error(transparent)]
+    Files(#[from] files::Error),
+    /// The controller and the way to it.
+    #[error(transparent)]
+    Link(#[from] LinkError),
+    /// No thread for the controller.
+    #[error("the system gives no thread for the controller: {0}")]
+    Thread(std::io::Error),
+    /// The controller's thread panicked.
+    #[error("the controller stopped: this is a defect of the program")]
+    Controller,
+    /// Ctrl+C.
+    #[error("interrupted")]
+    Interrupted,
+}
+
+impl Error {
+    /// The exit code: 2 for the user's input or environment, 1 for a defect of ours, 130 for an interrupt.
+    #[must_use]
+    pub fn exit_code(&self) -> u8 {
+        match self {
+            Self::Scene(_) | Self::Build(_) | Self::Files(files::Error::File { .. }) | Self::Thread(_) => 2,
+            Self::Link(
+                LinkError::Refused {
+                    reason: UploadError::Build,
+                    ..
+                }
+                | LinkError::TooLong { .. },
+            ) => 2,
+            Self::Interrupted => 130,
+            Self::Files(files::Error::Plot(_)) | Self::Link(_) | Self::Controller => 1,
+        }
+    }
+}

@@ -1,0 +1,107 @@
+//! The files of a run, each written whole or not at all.
+
+use std::io::{self, BufWriter, Write};
+use std::path::{Path, PathBuf};
+
+use super::log::{Log, length};
+use crate::plot;
+
+/// Makes the folder of a run, so that a run does not end in vain.
+///
+/// # Errors
+/// The file system refuses.
+pub fn folder(out: &Path) -> Result<(), Error> {
+    std::fs::create_dir_all(out).map_err(|cause| Error::File {
+        path: out.to_owned(),
+        cause,
+    })
+}
+
+/// Writes `force.csv` and `force.png`.
+///
+/// # Errors
+/// The file system refuses, or the picture cannot be drawn.
+pub fn write(out: &Path, title: &str, log: &Log) -> Result<(), Error> {
+    whole(&out.join("force.csv"), |path| {
+        csv(path, log).map_err(|cause| Error::File {
+            path: path.to_owned(),
+            cause,
+        })
+    })?;
+    whole(&out.join("force.png"), |path| {
+        plot::force(path, title, log).map_err(Error::Plot)
+    })
+}
+
+fn csv(path: &Path, log: &Log) -> io::Result<()> {
+    let mut file = BufWriter::new(std::fs::File::create(path)?);
+    writeln!(file, "tick,stage,x_m,y_m,z_m,simulated_n,rendered_n,thread_n,gap_mm")?;
+    for tick in &log.ticks {
+        let [x, y, z] = tick.position_m;
+        let (simulated, rendered) = (length(tick.simulated_n), length(tick.rendered_n));
+        let (stage, thread, gap) = (tick.stage.name(), tick.thread_n, tick.gap_m * 1e3);
+        writeln!(
+            file,
+            "{},{stage},{x},{y},{z},{simulated},{rendered},{thread},{gap}",
+            tick.tick
+        )?;
+    }
+    file.flush()
+}
+
+/// Lets `write` fill a file beside `path` and then puts it in `path`'s place.
+fn whole(path: &Path, write: impl FnOnce(&Path) -> Result<(), Error>) -> Result<(), Error> {
+    let fault = |cause| Error::File {
+        path: path.to_owned(),
+        cause,
+    };
+    let folder = path.parent().unwrap_or(Path::new("."));
+    let suffix = path
+        .extension()
+        .map(|extension| format!(".{}", extension.display()))
+        .unwrap_or_default();
+    let beside = tempfile::Builder::new()
+        .prefix(".sutura-")
+        .suffix(&suffix)
+        .tempfile_in(folder)
+        .map_err(fault)?;
+    write(beside.path())?;
+    beside.persist(path).map_err(|error| fault(error.error))?;
+    Ok(())
+}
+
+/// Why a file of a run is not there.
+#[derive(Debug, thiserror::Error)]
+pub enum Error {
+    /// The file system refuses.
+    #[error("{}: {cause}", path.display())]
+    File {
+        /// Which file.
+        path: PathBuf,
+        /// Why.
+        cause: io::Error,
+    },
+    /// The picture cannot be drawn.
+    #[error("force.png: {0}")]
+    Plot(plot::Error),
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_file_that_cannot_be_finished_leaves_nothing() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("force.csv");
+        let result = whole(&path, |beside| {
+            std::fs::write(beside, "half").unwrap();
+            Err(Error::File {
+                path: beside.to_owned(),
+                cause: io::Error::other("full"),
+            })
+        });
+        assert!(result.is_err());
+        assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
+    }
+}

@@ -1,0 +1,166 @@
+//! What a run says at its end: one JSON object, or a table for people.
+
+use std::fmt::{self, Display, Formatter};
+
+use serde::Serialize;
+
+use super::log::{Change, Peaks, Puncture, StageSpan};
+use crate::voxelize::Springs;
+
+impl Display for Report {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        writeln!(
+            f,
+            "{} voxels, {} nodes, {} edge springs, {} body diagonals",
+            self.voxels, self.nodes, self.springs.edge, self.springs.body_diagonal
+        )?;
+        writeln!(f, "effects: {}; solver {}", self.effects.join(", "), self.solver)?;
+        writeln!(f)?;
+        writeln!(f, "stage            from s      to s    peak N    mean N  thread N")?;
+        for stage in &self.stages {
+            let [from, to] = [stage.from_tick - 1, stage.to_tick].map(|tick| f64::from(tick) * 1e-3);
+            let StageSpan {
+                name,
+                peak_n,
+                mean_n,
+                thread_peak_n,
+                ..
+            } = stage;
+            writeln!(
+                f,
+                "{name:<13}{from:>10.3}{to:>10.3}{peak_n:>10.3}{mean_n:>10.3}{thread_peak_n:>10.3}"
+            )?;
+        }
+        writeln!(f)?;
+        for puncture in &self.punctures {
+            let Puncture {
+                site,
+                force_n,
+                f0_n,
+                depth_mm,
+                ..
+            } = puncture;
+            writeln!(
+                f,
+                "puncture {site}: {force_n:.3} N (F0 {f0_n:.3} N) after {depth_mm:.2} mm"
+            )?;
+        }
+        for Change { before, after } in &self.wound_gap_mm.at_stitch {
+            writeln!(f, "gap at the stitch: {before:.2} mm before, {after:.2} mm after")?;
+        }
+        if !self.faults.is_empty() {
+            writeln!(f, "faults: {}", self.faults.join(", "))?;
+        }
+        let TickTime { median, p99, max } = self.tick_us;
+        writeln!(
+            f,
+            "a tick took {median:.0} µs (median), {p99:.0} µs (99 %), {max:.0} µs (most); state hash {}",
+            self.state_hash
+        )?;
+        write!(f, "files: {0}/force.csv, {0}/force.png", self.out)
+    }
+}
+
+/// The keys of `--json`.
+#[derive(Clone, Debug, Serialize)]
+pub struct Report {
+    /// Voxels of the patch.
+    pub voxels: usize,
+    /// Mass points.
+    pub nodes: usize,
+    /// Those on its surface.
+    pub surface_nodes: usize,
+    /// Springs.
+    pub springs: Springs,
+    /// Voxels of each tissue.
+    pub tissues: serde_json::Map<String, serde_json::Value>,
+    /// Effects that were on.
+    pub effects: Vec<&'static str>,
+    /// How the tissue was advanced.
+    pub solver: String,
+    /// Ticks that were run.
+    pub ticks: u32,
+    /// Stages in order.
+    pub stages: Vec<StageSpan>,
+    /// Punctures in order.
+    pub punctures: Vec<Puncture>,
+    /// Width of the wound.
+    pub wound_gap_mm: WoundGap,
+    /// Largest forces.
+    pub force_n: Peaks,
+    /// Ticks in which the device's limit shortened the force.
+    pub saturated_ticks: usize,
+    /// Names of faults that stood.
+    pub faults: Vec<&'static str>,
+    /// Hash of everything that happened, 16 hexadecimal digits.
+    pub state_hash: String,
+    /// CPU time of a tick [µs].
+    pub tick_us: TickTime,
+    /// Frames between host and controller.
+    pub link: LinkCount,
+    /// Folder of the files.
+    pub out: String,
+}
+
+/// Width of the wound [mm].
+#[derive(Clone, Debug, Default, Serialize)]
+pub struct WoundGap {
+    /// At each stitch; none without a wound.
+    pub at_stitch: Vec<Change>,
+    /// Over the wound's length.
+    pub mean: Option<Change>,
+}
+
+/// CPU time of a tick [µs].
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct TickTime {
+    /// Half of the ticks took less.
+    pub median: f64,
+    /// 99 % took less.
+    pub p99: f64,
+    /// None took more.
+    pub max: f64,
+}
+
+impl TickTime {
+    /// From the CPU time of every tick [ns].
+    #[must_use]
+    pub fn of(mut ns: Vec<u64>) -> Self {
+        ns.sort_unstable();
+        let at = |part: f64| ns.get(((ns.len() as f64 * part) as usize).min(ns.len().saturating_sub(1)));
+        let us = |part| at(part).map_or(0.0, |&ns| ns as f64 * 1e-3);
+        Self {
+            median: us(0.5),
+            p99: us(0.99),
+            max: us(1.0),
+        }
+    }
+}
+
+/// Frames between host and controller.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct LinkCount {
+    /// Frames that came, both ways.
+    pub frames: u64,
+    /// Frames that were broken.
+    pub errors: u64,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn times_are_quantiles_of_the_ticks() {
+        let ns: Vec<u64> = (1..=1000).rev().map(|us| us * 1000).collect();
+        assert_eq!(
+            TickTime::of(ns),
+            TickTime {
+                median: 501.0,
+                p99: 991.0,
+                max: 1000.0
+            }
+        );
+        assert_eq!(TickTime::of(Vec::new()), TickTime::default());
+    }
+}

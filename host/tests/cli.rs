@@ -1,0 +1,116 @@
+//! The program as a person calls it: what stands on stdout and stderr, exit codes, and what is left on the disk.
+
+use std::path::Path;
+use std::process::{Command, Output};
+
+fn sutura(folder: &Path, arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_sutura"))
+        .args(arguments)
+        .current_dir(folder)
+        .output()
+        .unwrap()
+}
+
+/// Asserts exit code 2 and one line on stderr that contains `what`; gives the line.
+fn refused(output: &Output, what: &str) -> String {
+    let line = String::from_utf8(output.stderr.clone()).unwrap();
+    assert_eq!(output.status.code(), Some(2), "{line}");
+    assert!(line.contains(what) && line.lines().count() == 1, "{line}");
+    line
+}
+
+#[test]
+fn the_built_in_scene_is_printed_and_reads_back() {
+    let folder = tempfile::tempdir().unwrap();
+    let output = sutura(folder.path(), &["scene", "--print-default"]);
+    assert!(output.status.success());
+    assert_eq!(output.stdout, sutura::scene::BUILT_IN.as_bytes());
+    std::fs::write(folder.path().join("mine.toml"), output.stdout).unwrap();
+    sutura::scene::load(Some(&folder.path().join("mine.toml"))).unwrap();
+}
+
+#[test]
+fn a_short_run_ends_with_json_and_files() {
+    let folder = tempfile::tempdir().unwrap();
+    let output = sutura(
+        folder.path(),
+        &["run", "--headless", "--json", "--seconds", "0.05", "--out", "o"],
+    );
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let text = String::from_utf8(output.stdout).unwrap();
+    let report: serde_json::Value = serde_json::from_str(text.lines().last().unwrap()).unwrap();
+    assert_eq!(report["ticks"], 50);
+    assert_eq!(report["solver"], "be-pcg:10:1");
+    assert_eq!(report["state_hash"].as_str().unwrap().len(), 16);
+    assert_eq!(report["link"]["errors"], 0);
+    let csv = std::fs::read_to_string(folder.path().join("o/force.csv")).unwrap();
+    assert_eq!(
+        csv.lines().next(),
+        Some("tick,stage,x_m,y_m,z_m,simulated_n,rendered_n,thread_n,gap_mm")
+    );
+    assert_eq!(csv.lines().count(), 51);
+    let names: Vec<_> = std::fs::read_dir(folder.path().join("o"))
+        .unwrap()
+        .map(|entry| entry.unwrap().file_name())
+        .collect();
+    assert_eq!(names.len(), 2, "{names:?}");
+}
+
+#[test]
+fn an_error_is_one_line_and_an_object_under_json() {
+    let folder = tempfile::tempdir().unwrap();
+    let output = sutura(folder.path(), &["run", "missing.toml", "--json"]);
+    let line = refused(&output, "missing.toml");
+    let object: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(format!("error: {}\n", object["error"].as_str().unwrap()), line);
+    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
+}
+
+#[test]
+fn meshes_that_are_none_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("empty.stl"), "").unwrap();
+    std::fs::write(folder.path().join("text.stl"), "no mesh at all").unwrap();
+    let mut cut = vec![0; 84];
+    cut[80] = 9;
+    std::fs::write(folder.path().join("cut.stl"), cut).unwrap();
+    for file in ["missing.stl", "empty.stl", "text.stl", "cut.stl"] {
+        refused(&sutura(folder.path(), &["voxelize", file, "--pitch-mm", "1"]), file);
+        refused(
+            &sutura(folder.path(), &["run", "--mesh", &format!("skin={file}")]),
+            file,
+        );
+    }
+    assert!(!folder.path().join("sutura-out").exists());
+}
+
+#[test]
+fn a_tissue_that_the_scene_has_not_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let output = sutura(folder.path(), &["run", "--mesh", "liver=liver.stl"]);
+    refused(&output, "no tissue `liver`, it has skin, muscle, bone");
+}
+
+/// Ctrl+C: exit code 130 and no file, whole or half.
+#[cfg(unix)]
+#[test]
+fn an_interrupted_run_leaves_no_file() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut child = Command::new(env!("CARGO_BIN_EXE_sutura"))
+        .args(["run", "--realtime", "--out", "o"])
+        .current_dir(folder.path())
+        .spawn()
+        .unwrap();
+    let out = folder.path().join("o");
+    while !out.exists() {
+        assert!(child.try_wait().unwrap().is_none(), "the run ended before it began");
+        std::thread::sleep(std::time::Duration::from_millis(10));
+    }
+    let killed = Command::new("kill")
+        .args(["-INT", &child.id().to_string()])
+        .status()
+        .unwrap();
+    assert!(killed.success());
+    assert_eq!(child.wait().unwrap().code(), Some(130));
+    assert_eq!(std::fs::read_dir(out).unwrap().count(), 0);
+}
