@@ -19,6 +19,8 @@ pub mod rig;
 pub mod safety;
 pub mod solver;
 pub mod stage;
+pub mod surface;
 pub mod thread;
 pub mod tick;
 pub mod tissue;
+pub mod wound;

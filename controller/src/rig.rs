@@ -50,7 +50,7 @@ impl<'m, const N: usize> Rig<'m, N> {
     /// The hash with all live state.
     fn hash_all(&self) -> Hasher {
         let mut hash = self.hash;
-        self.controller.hash(&mut hash);
+        self.controller.add_to(&mut hash);
         let words = self.device.iter().flat_map(|device| device.state().words());
         words.for_each(|word| hash.word(word));
         hash

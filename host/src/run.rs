@@ -1,9 +1,9 @@
 //! One run: scene → patch → controller → figures and files.
 
+pub mod embedded;
 pub mod files;
 pub mod log;
 pub mod report;
-pub mod rig;
 
 use std::ops::ControlFlow;
 use std::path::PathBuf;
@@ -31,7 +31,7 @@ const AFTER: u32 = 1_500;
 pub fn run(request: &Request, interrupted: &AtomicBool, progress: impl FnMut(&Telemetry)) -> Result<Report, Error> {
     let mut plan = scene::load(request.scene.as_deref())?;
     scene::replace_meshes(&mut plan, &request.meshes)?;
-    let built = build::build(&plan, rig::NODES_MAX)?;
+    let built = build::build(&plan, embedded::NODES_MAX)?;
     for warning in &built.warnings {
         tracing::warn!("{warning}");
     }
@@ -59,7 +59,7 @@ fn session(
     mut progress: impl FnMut(&Telemetry),
 ) -> Result<Session, Error> {
     let pace = if request.realtime { Pace::Realtime } else { Pace::Free };
-    let (transport, thread) = rig::start(pace).map_err(Error::Thread)?;
+    let (transport, thread) = embedded::start(pace).map_err(Error::Thread)?;
     let mut link = Link::connect(transport)?;
     link.upload(&built.scene, &built.cells)?;
     let mut log = Log::default();

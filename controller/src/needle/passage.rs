@@ -4,7 +4,7 @@ use super::{Arc, Params, State};
 use crate::coupling::Kernel;
 use crate::lattice::{Lattice, Tissue};
 use crate::math::{DT, Vec3};
-use crate::tissue::{height, kernel_at};
+use crate::surface::{height, kernel_at};
 
 /// A material point of the tissue: a weighted mean of nodes with an offset that is kept.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

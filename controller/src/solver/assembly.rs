@@ -5,6 +5,11 @@
 //! that a difference of positions would lose. A spring's Jacobian is k_t d dᵀ + (T/l)(I − d dᵀ) with T/l cut off
 //! at zero, so the operator stays positive definite under compression; the force is exact.
 
+#![allow(
+    clippy::needless_range_loop,
+    reason = "lanes of several arrays advance together; an index says so best"
+)]
+
 use super::blocks::{BLOCK, Lane, window, window_mut};
 use super::{Problem, Work, operator};
 use crate::lattice::{CURVES, EDGES, Field, Tissue};
@@ -37,6 +42,29 @@ pub(super) fn linearise<const N: usize>(
     work: &mut Work<N>,
 ) {
     begin(problem, load, tissue, work);
+    add_springs(problem, work);
+    if let Some(faces) = problem.faces {
+        operator::meet(faces, work);
+    }
+    operator::load_points(problem.coupling, work);
+    invert_diagonal(problem, work);
+}
+
+/// Elastic force of the springs on every node, held ones too [N]; no dashpots, no inertia.
+pub fn elastic_force<'w, const N: usize>(
+    problem: &Problem<'_, N>,
+    tissue: &Tissue<N>,
+    work: &'w mut Work<N>,
+) -> &'w Field<N> {
+    let fields = [&mut work.step, &mut work.residual];
+    fields.into_iter().flatten().for_each(|c| c.fill(0.0));
+    work.place.clone_from(&tissue.displacement);
+    add_springs(problem, work);
+    &work.residual
+}
+
+/// Forces, operator and diagonal of all springs, one direction after the other.
+fn add_springs<const N: usize>(problem: &Problem<'_, N>, work: &mut Work<N>) {
     let lattice = problem.lattice;
     let shapes = lattice.rest().into_iter().zip(lattice.rest_lengths());
     for (direction, (offset, (rest, rest_length))) in lattice.offsets().into_iter().zip(shapes).enumerate() {
@@ -52,11 +80,6 @@ pub(super) fn linearise<const N: usize>(
             );
         }
     }
-    if let Some(faces) = problem.faces {
-        operator::meet(faces, work);
-    }
-    operator::load_points(problem.coupling, work);
-    invert_diagonal(problem, work);
 }
 
 /// Inertia, damping and load; the diagonal collects in `inverse_diagonal`.

@@ -6,12 +6,14 @@ mod blocks;
 mod operator;
 mod reduce;
 
+pub use assembly::elastic_force;
 pub use be_pcg::BePcg;
 
 use crate::coupling::Coupling;
 use crate::lattice::{DIRECTIONS, Field, Lattice, Tissue};
+use crate::law::Material;
 use crate::math::Vec3;
-use crate::tissue::{Faces, Material, PAIRS_MAX};
+use crate::wound::{Faces, PAIRS_MAX};
 use bytemuck::Zeroable;
 
 /// What a solver is given: nothing here changes during a tick.

@@ -1,11 +1,16 @@
 //! The linearised operator A = m(1/dt² + α/dt) + K + WᵀSW + wound contact, applied in passes, and its preconditioner.
 
+#![allow(
+    clippy::needless_range_loop,
+    reason = "lanes of several arrays advance together; an index says so best"
+)]
+
 use super::blocks::{BLOCK, window, window_mut};
 use super::{Problem, Work};
 use crate::coupling::{Coupling, POINTS};
 use crate::lattice::{DIRECTIONS, Field, Lattice};
 use crate::math::{DT, Mat3, Vec3};
-use crate::tissue::Faces;
+use crate::wound::Faces;
 use nalgebra::{SMatrix, SVector};
 
 /// Unknowns of the coupling points.

@@ -11,14 +11,15 @@ use crate::coupling::{Coupling, RIGHT, TAIL};
 use crate::event::{Fault, Faults};
 use crate::hash::Hasher;
 use crate::lattice::{Field, Lattice, Tissue};
-use crate::math::{Pose, finite};
+use crate::math::{Pose, Vec3, finite};
 use crate::needle::{self, Arc};
 use crate::record::{Output, Sample};
 use crate::safety::{self, Gate};
 use crate::solver::{Problem, Solver, Work};
-use crate::stage;
+use crate::stage::{self, Signs};
 use crate::thread;
-use crate::tissue::{self, Gap};
+use crate::tissue;
+use crate::wound::{self, Gap};
 use bytemuck::Zeroable;
 use params::Params;
 use sutura_shared::scene::Scene;
@@ -105,79 +106,45 @@ impl<'m, const N: usize> Controller<'m, N> {
             work,
         } = &mut *self.memory;
         state.tick = state.tick.wrapping_add(1);
-        let good = finite(sample.pose.position) && sample.pose.rotation.iter().all(|x| x.is_finite());
-        state.faults = state.faults.with(Fault::Pose, !good);
 
         // sense
-        let pose = params
-            .patch_from_device
-            .then(&if good { sample.pose } else { Pose::default() });
+        let pose = sense(params, state, sample);
         let arc = Arc::new(params.needle.tool, pose);
 
         // contact
-        needle::detect(&params.needle, &mut state.needle, &arc, lattice, tissue);
         let mut coupling = Coupling::default();
+        needle::detect(&params.needle, &mut state.needle, &arc, lattice, tissue);
         let holds = needle::couple(&params.needle, &mut state.needle, &arc, tissue, &mut coupling);
-        sewing::strain(
-            params,
-            state,
-            &arc,
-            (lattice, tissue),
-            (&mut self.thread_work, &mut coupling),
-        );
+
+        // thread
+        let thread = (&mut self.thread_work, &mut coupling);
+        sewing::strain(params, state, &arc, (lattice, tissue), thread);
 
         // deform
-        let faces = params.faces.as_ref().filter(|_| params.meet);
         let problem = Problem {
             lattice,
             material: &params.material,
             coupling: &coupling,
-            faces,
+            faces: params.faces.as_ref().filter(|_| params.meet),
         };
         let moved = params.solver.advance(&problem, load, tissue, work);
-        state.faults = state.faults.with(
-            Fault::State,
-            !moved.into_iter().all(finite) || !work.is_finite(lattice.len()),
-        );
+        let finite = moved.into_iter().all(finite) && work.is_finite(lattice.len());
+        state.faults = state.faults.with(Fault::State, !finite);
 
         // force
         let grip = needle::settle(&params.needle, &mut state.needle, &arc, (&holds, &moved), tissue);
-        let pull = sewing::relax(
-            params,
-            state,
-            [moved[TAIL], moved[RIGHT]],
-            (lattice, load),
-            &mut self.thread_work,
-        );
-        let simulated = grip.force + pull.direction * pull.tension;
+        let ends = [moved[TAIL], moved[RIGHT]];
+        let pull = sewing::relax(params, state, ends, (lattice, load), &mut self.thread_work);
         state.tension = pull.tension;
+        let simulated = grip.force + pull.direction * pull.tension;
 
         // safety: every force leaves through here
-        let device_from_patch = params.patch_from_device.rotation.transpose();
-        let edge = safety::limit(
-            &params.safety,
-            &mut state.safety,
-            &safety::Inputs {
-                simulated: device_from_patch * simulated,
-                tip: sample.pose.position,
-                faults: state.faults,
-                gate: Gate::Open,
-            },
-        );
-        state.faults = edge.faults;
+        let edge = limit(params, state, simulated, sample);
 
         // output
-        let signs = stage::Signs {
-            needle: &state.needle,
-            pierces: params.needle.f0.is_some(),
-            tension: params.thread.as_ref().map(|_| state.tension),
-            button: sample.button,
-        };
-        state.stage = stage::next(state.stage, &signs);
-        let gap = params
-            .faces
-            .as_ref()
-            .map_or_else(Gap::default, |f| tissue::gap(f, lattice, tissue));
+        state.stage = stage::next(state.stage, &signs(params, state, sample));
+        let faces = params.faces.as_ref();
+        let gap = faces.map_or_else(Gap::default, |faces| wound::gap(faces, lattice, tissue));
         Output {
             tick: state.tick,
             stage: state.stage.stage,
@@ -194,8 +161,14 @@ impl<'m, const N: usize> Controller<'m, N> {
         }
     }
 
+    /// The patch's state, for reports.
+    #[must_use]
+    pub const fn tissue(&self) -> &Tissue<N> {
+        &self.memory.tissue
+    }
+
     /// Adds all live state to a hash: existing nodes, needle, thread.
-    pub fn hash(&self, hasher: &mut Hasher) {
+    pub fn add_to(&self, hasher: &mut Hasher) {
         let Some((params, state)) = &self.running else { return };
         let Memory { lattice, tissue, .. } = &*self.memory;
         let exists = |n: &usize| lattice.mass.get(*n).is_some_and(|m| *m > 0.0);
@@ -215,5 +188,41 @@ impl<'m, const N: usize> Controller<'m, N> {
                 hasher.vector(velocity);
             }
         }
+    }
+}
+
+/// Tool pose in the patch frame; a pose that is not finite is a fault, and the tool stays where it was.
+fn sense(params: &Params, state: &mut State, sample: &Sample) -> Pose {
+    let numbers = sample.pose.position.iter().chain(sample.pose.rotation.iter());
+    let good = numbers.into_iter().all(|x| x.is_finite());
+    state.faults = state.faults.with(Fault::Pose, !good);
+    if good {
+        params.patch_from_device.then(&sample.pose)
+    } else {
+        state.needle.before.unwrap_or_default()
+    }
+}
+
+/// The force in the device's frame, through the output edge.
+fn limit(params: &Params, state: &mut State, simulated: Vec3, sample: &Sample) -> safety::Record {
+    let device_from_patch = params.patch_from_device.rotation.transpose();
+    let inputs = safety::Inputs {
+        simulated: device_from_patch * simulated,
+        tip: sample.pose.position,
+        faults: state.faults,
+        gate: Gate::Open,
+    };
+    let edge = safety::limit(&params.safety, &mut state.safety, &inputs);
+    state.faults = edge.faults;
+    edge
+}
+
+/// What the stage is read off.
+fn signs<'a>(params: &Params, state: &'a State, sample: &Sample) -> Signs<'a> {
+    Signs {
+        needle: &state.needle,
+        pierces: params.needle.f0.is_some(),
+        tension: params.thread.as_ref().map(|_| state.tension),
+        button: sample.button,
     }
 }

@@ -1,12 +1,15 @@
 //! From a scene to coefficients: the only step that can fail.
 
 use crate::lattice::{Lattice, Tissue};
+use crate::law::Material;
 use crate::math::{Pose, Vec3};
 use crate::needle::{self, Point};
 use crate::safety;
 use crate::solver::BePcg;
+use crate::surface;
 use crate::thread;
-use crate::tissue::{self, Faces, Material};
+use crate::tissue;
+use crate::wound::{self, Faces};
 use sutura_shared::scene::{self, Effect, Scene};
 
 /// Why a scene cannot run.
@@ -67,9 +70,9 @@ impl Params {
         if let (Some(_), Some(stitch)) = (&thread, &scene.stitch) {
             let [x, y] = stitch.left_m;
             let above = Vec3::new(x, y, 0.0);
-            let z = tissue::height(lattice, tissue, above).ok_or(ConfigError::NoSkinAtSite)?;
+            let z = surface::height(lattice, tissue, above).ok_or(ConfigError::NoSkinAtSite)?;
             let place = Vec3::new(x, y, z);
-            tail = Point::new(tissue::kernel_at(lattice, tissue, place, needle.kernel), place, tissue);
+            tail = Point::new(surface::kernel_at(lattice, tissue, place, needle.kernel), place, tissue);
         }
         Ok(Self {
             material,
@@ -78,7 +81,7 @@ impl Params {
             thread,
             tail,
             lies: scene.effects.has(Effect::ThreadContact),
-            faces: tissue::faces(scene, lattice),
+            faces: wound::faces(scene, lattice),
             meet: scene.effects.has(Effect::WoundContact),
             safety: safety::Params::new(&scene.output, scene.device.profile, scene.effects),
             patch_from_device: Pose::from(scene.device.patch_from_device),

@@ -6,8 +6,8 @@ use crate::coupling::{Coupling, RIGHT, TAIL};
 use crate::lattice::{Field, Lattice, Tissue};
 use crate::math::Vec3;
 use crate::needle::{Arc, Passage};
+use crate::surface;
 use crate::thread::{self, Ends, Ground, Pull, Touch};
-use crate::tissue;
 use sutura_shared::scene::Stage;
 
 /// About what skin answers a point's displacement with [N/m]; it steers the thread's own iterations only.
@@ -73,7 +73,7 @@ pub(super) fn relax<const N: usize>(
         load.iter_mut()
             .for_each(|c| c.iter_mut().take(lattice.len()).for_each(|f| *f = 0.0));
         for ((node, _), reaction) in run.live(thread).zip(&work.reaction) {
-            tissue::lifted(lattice, node, *reaction, load);
+            surface::lifted(lattice, node, *reaction, load);
         }
     }
     pull
@@ -92,7 +92,7 @@ impl<const N: usize> Ground for Skin<'_, N> {
         if !self.lies {
             return None;
         }
-        let (height, normal) = tissue::surface(self.lattice, self.tissue, p)?;
+        let (height, normal) = surface::surface(self.lattice, self.tissue, p)?;
         let gap = (p.z - height) * normal.z;
         // A node far below the skin is being led through the tissue, not lying on it.
         (gap > -DEEP * self.lattice.pitch).then_some(Touch { gap, normal })

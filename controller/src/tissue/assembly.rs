@@ -4,8 +4,8 @@
 //! Bone, the sides and the bottom of the patch are held. A sheet thinner than a voxel has all but its upright edges
 //! scaled by thickness over pitch: E t of the membrane is what the hand feels.
 
-use crate::lattice::{CURVES, DIRECTIONS, EDGES, Lattice, STEPS};
-use crate::law::{self, Curve};
+use crate::lattice::{DIRECTIONS, EDGES, Lattice, STEPS};
+use crate::law::{self, Curve, Material};
 use sutura_shared::scene::{self, Body, Effect, Scene};
 
 /// Why a lattice cannot be built.
@@ -26,19 +26,6 @@ pub enum Error {
     TooManyCurves,
     /// No cell is filled.
     Empty,
-}
-
-/// What the springs follow, and the coefficients of inertia and damping with the period folded in.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Material {
-    /// Curves by slot; unused ones are zero.
-    pub curves: [Curve; CURVES],
-    /// Whether the curves have breakpoints (effect `stiffening`).
-    pub stiffening: bool,
-    /// Mass damping α [1/s].
-    pub mass_damping: f32,
-    /// β of the dashpots [s]; zero without effect `spring-damping`.
-    pub spring_damping: f32,
 }
 
 /// Fills `lattice` in place from the scene and its cells.
