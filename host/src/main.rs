@@ -33,6 +33,8 @@ enum Command {
     Scene(SceneArgs),
 }
 
+// Each is a flag of the command line.
+#[allow(clippy::struct_excessive_bools)]
 #[derive(Args)]
 struct RunArgs {
     /// Scene file; without one the built-in scene: one stitch in a forearm.

@@ -7,14 +7,17 @@ use plotters::coord::types::RangedCoordf64;
 use plotters::prelude::*;
 use plotters::style::register_font;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
+use sutura_shared::message::Telemetry;
 use sutura_shared::scene::Site;
 
 use crate::run::log::{Log, length};
 
 /// Size of the picture [pixels].
 const SIZE: (u32, u32) = (1600, 900);
-/// Width of the curves [pixels]: wide below narrow, for two that coincide.
-const WIDTHS: [u32; 3] = [6, 2, 2];
+/// Least thickness of the curves over the height of the picture: thick below thin, for two that coincide.
+const THICKNESS: [f64; 3] = [0.009, 0.004, 0.004];
+/// Most pieces of a curve: about one for each column of pixels.
+const PIECES: usize = 1400;
 /// Distance of a stage's name from its beginning, over the whole time.
 const NAME: f64 = 0.006;
 const FONT: &str = "sans-serif";
@@ -58,12 +61,14 @@ pub fn force(path: &Path, title: &str, log: &Log) -> Result<(), Error> {
         .axis_desc_style((FONT, 28).into_font().color(&INK))
         .draw()
         .map_err(fault)?;
-    curves(&mut chart, log).map_err(fault)?;
+    curves(&mut chart, log, top).map_err(fault)?;
     punctures(&mut chart, log, top).map_err(fault)?;
     root.present().map_err(fault)
 }
 
 type Chart<'a> = ChartContext<'a, BitMapBackend<'a>, Cartesian2d<RangedCoordf64, RangedCoordf64>>;
+/// What a curve shows [N].
+type Quantity = fn(&Telemetry) -> f32;
 type Drawn = Result<(), DrawingAreaErrorKind<<BitMapBackend<'static> as DrawingBackend>::ErrorType>>;
 
 /// Stages as bands, named at the top.
@@ -85,18 +90,19 @@ fn bands(chart: &mut Chart<'_>, log: &Log, [end, top]: [f64; 2]) -> Drawn {
     Ok(())
 }
 
-fn curves(chart: &mut Chart<'_>, log: &Log) -> Drawn {
-    let curves: [(&str, RGBColor, fn(&sutura_shared::message::Telemetry) -> f32); 3] = [
+fn curves(chart: &mut Chart<'_>, log: &Log, top: f64) -> Drawn {
+    let curves: [(&str, RGBColor, Quantity); 3] = [
         ("simulated", SIMULATED, |tick| length(tick.simulated_n)),
         ("rendered", RENDERED, |tick| length(tick.rendered_n)),
         ("thread tension", THREAD, |tick| tick.thread_n),
     ];
-    for ((name, colour, of), width) in curves.into_iter().zip(WIDTHS) {
-        let points = log.ticks.iter().map(|tick| (seconds(tick.tick), f64::from(of(tick))));
+    let piece = log.ticks.len().div_ceil(PIECES).max(1);
+    for ((name, colour, of), thickness) in curves.into_iter().zip(THICKNESS) {
+        let band = band(&log.ticks, piece, of, thickness * top);
         chart
-            .draw_series(LineSeries::new(points, colour.stroke_width(width)))?
+            .draw_series([Polygon::new(band, colour.filled())])?
             .label(name)
-            .legend(move |(x, y)| PathElement::new([(x, y), (x + 36, y)], colour.stroke_width(width + 2)));
+            .legend(move |(x, y)| Rectangle::new([(x, y - 3), (x + 36, y + 3)], colour.filled()));
     }
     chart
         .configure_series_labels()
@@ -106,6 +112,23 @@ fn curves(chart: &mut Chart<'_>, log: &Log) -> Drawn {
         .background_style(WHITE.mix(0.85))
         .border_style(INK.mix(0.3))
         .draw()
+}
+
+/// The outline of least and largest value of every `piece` ticks, each with the tick after it, so that no peak is lost and no column is empty.
+fn band(ticks: &[Telemetry], piece: usize, of: Quantity, thickness: f64) -> Vec<(f64, f64)> {
+    let ends = |start: usize| {
+        let values = || ticks.iter().skip(start).take(piece + 1).map(|tick| f64::from(of(tick)));
+        let (low, high) = (values().fold(f64::INFINITY, f64::min), values().fold(0.0, f64::max));
+        let at = ticks
+            .get(start + piece / 2)
+            .or(ticks.last())
+            .map_or(0.0, |tick| seconds(tick.tick));
+        (at, (low - thickness / 2.0).max(0.0), high + thickness / 2.0)
+    };
+    let pieces: Vec<_> = (0..ticks.len()).step_by(piece).map(ends).collect();
+    let above = pieces.iter().map(|&(at, _, high)| (at, high));
+    let below = pieces.iter().rev().map(|&(at, low, _)| (at, low));
+    above.chain(below).collect()
 }
 
 fn punctures(chart: &mut Chart<'_>, log: &Log, top: f64) -> Drawn {
@@ -156,7 +179,7 @@ pub enum Error {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use sutura_shared::message::{PunctureEvent, Telemetry};
+    use sutura_shared::message::PunctureEvent;
     use sutura_shared::scene::Stage;
 
     #[test]

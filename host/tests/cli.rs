@@ -1,5 +1,8 @@
 //! The program as a person calls it: what stands on stdout and stderr, exit codes, and what is left on the disk.
 
+// The lint knows tests, not what they call.
+#![allow(clippy::unwrap_used)]
+
 use std::path::Path;
 use std::process::{Command, Output};
 

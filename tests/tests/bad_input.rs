@@ -1,5 +1,8 @@
 //! Bad input to a run: one line that says what, where and what would be right, exit code 2, nothing written.
 
+// The lint knows tests, not what they call.
+#![allow(clippy::unwrap_used)]
+
 use std::path::PathBuf;
 use std::sync::atomic::AtomicBool;
 

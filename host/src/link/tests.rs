@@ -56,8 +56,7 @@ impl Plant for Spring {
     fn state_hash(&self) -> u64 {
         let mut hash = Hasher::default();
         hash.word(self.tick);
-        hash.number(self.x);
-        hash.number(self.v);
+        hash.vector(Vec3::new(self.x, self.v, 0.0));
         hash.get()
     }
 

@@ -22,8 +22,6 @@ pub fn start(pace: Pace) -> std::io::Result<(ChannelTransport, JoinHandle<Ran>)>
         let mut memory: Box<Memory<NODES_MAX>> = bytemuck::zeroed_box();
         run_controller(theirs, Rig::new(&mut memory), pace)
     };
-    let thread = std::thread::Builder::new()
-        .name("controller".to_owned())
-        .spawn(body)?;
+    let thread = std::thread::Builder::new().name("controller".to_owned()).spawn(body)?;
     Ok((ours, thread))
 }
