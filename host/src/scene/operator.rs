@@ -14,6 +14,8 @@ use super::plan;
 
 /// Height of the start above the skin [m].
 const START: f64 = 0.040;
+/// Height of the start over the thread's length: above 2/π the thread hangs from the needle in less than a half circle, clear of the skin.
+const HANGING: f64 = 0.75;
 /// Gap between tip and skin before the insertion [m].
 const SHORT: f64 = 0.003;
 /// Longest push on the skin, the hand's own give included [m].
@@ -25,7 +27,7 @@ const TURN: f64 = 320.0 * PI / 180.0;
 /// Way of the hand beyond the place where an unstretched thread is taut [m].
 const BEYOND_TAUT: f64 = 0.025;
 /// Further way for tightening [m].
-const TIGHTEN: f64 = 0.010;
+const TIGHTEN: f64 = 0.020;
 /// Way back from there after the knot [m].
 const LOOSE: f64 = 0.015;
 
@@ -54,7 +56,7 @@ impl Sew {
         let entry = circle.with_tip_at_left();
         let tangent = circle.tangent_at_left();
         let short = shifted(&circle.grasp(entry), -SHORT * tangent);
-        let start = shifted(&short, Vector3::z() * START);
+        let start = shifted(&short, Vector3::z() * START.max(HANGING * place.thread_m));
         let driven = circle.grasp(entry + BEYOND / circle.radius);
         let out = circle.grasp(entry + TURN);
         let turn = |speed: f64, until| step(circle.turn(TURN), TURN / speed, until);
