@@ -1,11 +1,12 @@
 //! Piecewise-linear tension of a spring.
 //!
-//! T(ε) = k L₀ (ε + Σ r_m max(0, ε − ε_m) − r_c max(0, −ε − ε_c)) with r ≥ 0: convex energy with a continuous slope.
+//! T(ε) = k L₀ (ε + Σ r_m max(0, ε − ε_m) − ½ g max(0, −ε − ε_c)²) with r, g ≥ 0: convex energy with a continuous slope.
 //!
 //! Compression keeps the first slope up to the lock ε_c. A lattice of springs alone has no resistance of its own against
 //! losing its volume, so a layer under a needle shears off and inverts at a stress of about G. The lock of the diagonals takes
 //! its place: uniaxial compression to 30 % shortens them by 4.5 % only, so their lock at 6 % leaves that curve alone and meets a
-//! loss of volume; the edges' lock at 30 % keeps a voxel from closing.
+//! loss of volume; the edges' lock at 30 % keeps a voxel from closing. The slope rises gradually: a step of twenty would make one
+//! Newton step a tick jump to and fro across it.
 
 use super::Stiffness;
 use crate::math::sqrt;
@@ -21,22 +22,23 @@ pub struct Breaks {
     pub strain: [f32; BREAKS],
     /// Rise of the slope there over the first slope, ≥ 0.
     pub rise: [f32; BREAKS],
-    /// Compression of the spring beyond which it locks, > 0, and the rise of the slope there.
+    /// Compression of the spring beyond which it locks, > 0, and by how much its slope rises a unit of strain from there.
     pub lock: (f32, f32),
 }
 
 /// Lock of the edges.
-const EDGE_LOCK: (f32, f32) = (0.3, 10.0);
+const EDGE_LOCK: (f32, f32) = (0.3, 100.0);
 /// Lock of the body diagonals.
-const DIAGONAL_LOCK: (f32, f32) = (0.06, 20.0);
+const DIAGONAL_LOCK: (f32, f32) = (0.06, 600.0);
 
 impl Breaks {
     /// Normalised tension: T/(k L₀) at `strain`.
     #[inline]
     #[must_use]
     pub fn tension(&self, strain: f32) -> f32 {
-        let (at, rise) = self.lock;
-        let compressed = strain - rise * (-strain - at).max(0.0);
+        let (at, gain) = self.lock;
+        let under = (strain + at).min(0.0);
+        let compressed = strain - 0.5 * gain * under * under;
         let pieces = self.strain.iter().zip(&self.rise);
         pieces.fold(compressed, |sum, (at, rise)| sum + rise * (strain - at).max(0.0))
     }

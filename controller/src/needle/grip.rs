@@ -166,8 +166,9 @@ pub fn settle<const N: usize>(
         }
         if let Passage::Touch(touch) = site {
             let place = touch.point.place(tissue);
-            let (_, tangent) = arc.tip();
-            let along = force.dot(&tangent);
+            let (tip, tangent) = arc.tip();
+            // The coupling's spring alone: its damper would add the encoders' steps.
+            let along = (tip - place).dot(&tangent) * params.stiffness;
             let f0 = params.f0.map(|f0| f0[n]);
             if let Some(f0) = f0.filter(|f0| along >= *f0) {
                 let depth = (place - touch.from).dot(&tangent);

@@ -176,12 +176,12 @@ fn follow_curves<const N: usize>(problem: &Problem<'_, N>, direction: usize, low
                 springs.slope[l] += steeper;
             }
         }
-        let (at, rise) = breaks.lock;
-        if rise > 0.0 {
+        let (at, gain) = breaks.lock;
+        if gain > 0.0 {
             for l in 0..BLOCK {
-                let under = springs.strain[l] + at;
-                let steeper = if under < 0.0 { k[l] * rise } else { 0.0 };
-                springs.tension[l] += steeper * under;
+                let under = (springs.strain[l] + at).min(0.0);
+                let steeper = -k[l] * gain * under;
+                springs.tension[l] += 0.5 * steeper * under;
                 springs.slope[l] += steeper;
             }
         }
