@@ -26,7 +26,7 @@ pub struct Signs<'a> {
     pub needle: &'a needle::State,
     /// Whether the tool can puncture.
     pub pierces: bool,
-    /// The thread's tension [N]; `None` without a thread.
+    /// Force of the thread on the needle [N]; `None` without a thread.
     pub tension: Option<f32>,
     /// The stylus button.
     pub button: bool,

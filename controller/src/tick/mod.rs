@@ -11,15 +11,14 @@ use crate::coupling::{Coupling, RIGHT, TAIL};
 use crate::event::{Fault, Faults};
 use crate::hash::Hasher;
 use crate::lattice::{Field, Lattice, Tissue};
-use crate::math::{Pose, Vec3, finite};
+use crate::math::{Pose, Vec3, finite, length};
 use crate::needle::{self, Arc};
 use crate::record::{Output, Sample};
 use crate::safety::{self, Gate};
-use crate::solver::{Problem, Solver, Work};
+use crate::solver::{Solver, Work};
 use crate::stage::{self, Signs};
-use crate::thread;
+use crate::thread::{self, Pull};
 use crate::tissue;
-use crate::wound::{self, Gap};
 use bytemuck::Zeroable;
 use params::Params;
 use sutura_shared::scene::Scene;
@@ -47,7 +46,7 @@ struct State {
     thread: Option<thread::State>,
     safety: safety::State,
     faults: Faults,
-    tension: f32,
+    pull: Pull,
 }
 
 /// The controller: a scene's coefficients and state.
@@ -121,12 +120,7 @@ impl<'m, const N: usize> Controller<'m, N> {
         sewing::strain(params, state, &arc, (lattice, tissue), thread);
 
         // deform
-        let problem = Problem {
-            lattice,
-            material: &params.material,
-            coupling: &coupling,
-            faces: params.faces.as_ref().filter(|_| params.meet),
-        };
+        let problem = params.problem(lattice, &coupling);
         let moved = params.solver.advance(&problem, load, tissue, work);
         let finite = moved.into_iter().all(finite) && work.is_finite(lattice.len());
         state.faults = state.faults.with(Fault::State, !finite);
@@ -134,17 +128,15 @@ impl<'m, const N: usize> Controller<'m, N> {
         // force
         let grip = needle::settle(&params.needle, &mut state.needle, &arc, (&holds, &moved), tissue);
         let ends = [moved[TAIL], moved[RIGHT]];
-        let pull = sewing::relax(params, state, ends, (lattice, load), &mut self.thread_work);
-        state.tension = pull.tension;
-        let simulated = grip.force + pull.direction * pull.tension;
+        state.pull = sewing::relax(params, state, ends, (lattice, load), &mut self.thread_work);
+        let simulated = grip.force + state.pull.direction * state.pull.tension;
 
         // safety: every force leaves through here
         let edge = limit(params, state, simulated, sample);
 
         // output
         state.stage = stage::next(state.stage, &signs(params, state, sample));
-        let faces = params.faces.as_ref();
-        let gap = faces.map_or_else(Gap::default, |faces| wound::gap(faces, lattice, tissue));
+        let gap = params.gap(lattice, tissue);
         Output {
             tick: state.tick,
             stage: state.stage.stage,
@@ -153,7 +145,7 @@ impl<'m, const N: usize> Controller<'m, N> {
             rendered: edge.force,
             torque: grip.torque,
             position: pose.position,
-            thread: state.tension,
+            thread: state.pull.tension,
             gap: gap.at_stitch,
             gap_mean: gap.mean,
             saturated: edge.saturated,
@@ -187,6 +179,7 @@ impl<'m, const N: usize> Controller<'m, N> {
                 hasher.vector(place);
                 hasher.vector(velocity);
             }
+            run.load.into_iter().for_each(|load| hasher.vector(load));
         }
     }
 }
@@ -222,7 +215,7 @@ fn signs<'a>(params: &Params, state: &'a State, sample: &Sample) -> Signs<'a> {
     Signs {
         needle: &state.needle,
         pierces: params.needle.f0.is_some(),
-        tension: params.thread.as_ref().map(|_| state.tension),
+        tension: params.thread.as_ref().map(|_| length(state.pull.on_needle)),
         button: sample.button,
     }
 }

@@ -1,15 +1,16 @@
 //! From a scene to coefficients: the only step that can fail.
 
+use crate::coupling::Coupling;
 use crate::lattice::{Lattice, Tissue};
 use crate::law::Material;
 use crate::math::{Pose, Vec3};
 use crate::needle::{self, Point};
 use crate::safety;
-use crate::solver::BePcg;
+use crate::solver::{BePcg, Problem};
 use crate::surface;
 use crate::thread;
 use crate::tissue;
-use crate::wound::{self, Faces};
+use crate::wound::{self, Faces, Gap};
 use sutura_shared::scene::{self, Effect, Scene};
 
 /// Why a scene cannot run.
@@ -54,6 +55,26 @@ pub(super) struct Params {
 }
 
 impl Params {
+    /// What the tissue's solver is given in this tick.
+    pub(super) fn problem<'a, const N: usize>(
+        &'a self,
+        lattice: &'a Lattice<N>,
+        coupling: &'a Coupling,
+    ) -> Problem<'a, N> {
+        Problem {
+            lattice,
+            material: &self.material,
+            coupling,
+            faces: self.faces.as_ref().filter(|_| self.meet),
+        }
+    }
+
+    /// Width of the wound now; zero without one.
+    pub(super) fn gap<const N: usize>(&self, lattice: &Lattice<N>, tissue: &Tissue<N>) -> Gap {
+        let faces = self.faces.as_ref();
+        faces.map_or_else(Gap::default, |faces| wound::gap(faces, lattice, tissue))
+    }
+
     pub(super) fn new<const N: usize>(
         scene: &Scene,
         material: Material,
