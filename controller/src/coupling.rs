@@ -15,8 +15,8 @@ pub const TAIL: usize = 0;
 pub const LEFT: usize = 1;
 /// The right puncture.
 pub const RIGHT: usize = 2;
-/// Nodes of one kernel.
-pub const KERNEL_MAX: usize = 96;
+/// Nodes of one kernel: a ball of four pitches holds 257 lattice points, and a third of it or more is above the skin.
+pub const KERNEL_MAX: usize = 208;
 
 /// A weighted mean of lattice nodes: the material point that a tool or thread holds.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -37,7 +37,7 @@ impl Default for Kernel {
 }
 
 impl Kernel {
-    /// Adds a node; one more than [`KERNEL_MAX`] is left out.
+    /// Adds a node, of a higher index than those before; one more than [`KERNEL_MAX`] is left out.
     pub fn push(&mut self, node: u32, weight: f32) {
         if let (Some(n), Some(w)) = (self.nodes.get_mut(self.len), self.weights.get_mut(self.len)) {
             (*n, *w) = (node, weight);

@@ -15,6 +15,8 @@ pub use hand::{Hand, Motion, STEPS_MAX, Step, Until};
 
 /// Most tissues in one scene (fixed ones count).
 pub const TISSUES_MAX: usize = 4;
+/// Radius of the tip's kernel over the pitch: from what spreads a tip over more than one node to what a controller's kernel holds.
+pub const KERNEL_PITCHES: [f32; 2] = [1.5, 4.0];
 /// Most segments of a stress–strain curve.
 pub const SEGMENTS_MAX: usize = 5;
 
@@ -144,7 +146,7 @@ pub struct Contact {
     pub coupling_n_per_m: f32,
     /// Damping of the virtual coupling B_c [N·s/m].
     pub coupling_n_s_per_m: f32,
-    /// Radius of the tip's kernel on the surface [m]; at least 1.5 pitches.
+    /// Radius of the tip's kernel [m]; within [`KERNEL_PITCHES`].
     pub kernel_m: f32,
 }
 

@@ -162,14 +162,16 @@ impl Points {
     }
 }
 
-/// Diagonal of W_p D⁻¹ W_qᵀ.
+/// Diagonal of W_p D⁻¹ W_qᵀ: both kernels are in ascending order.
 fn overlap<const N: usize>(coupling: &Coupling, [p, q]: [usize; 2], inverse_diagonal: &Field<N>) -> SVector<f32, 3> {
     let (a, b) = (&coupling.kernels[p], &coupling.kernels[q]);
-    let shared = a.iter().flat_map(|(node, w)| {
-        let same = b.iter().filter(move |(other, _)| *other == node);
-        same.map(move |(_, v)| (node, w * v))
-    });
-    shared
-        .map(|(node, w)| crate::lattice::at(inverse_diagonal, node) * w)
-        .sum::<Vec3>()
+    let mut sum = Vec3::zeros();
+    let mut others = b.iter().peekable();
+    for (node, w) in a.iter() {
+        while others.next_if(|(other, _)| *other < node).is_some() {}
+        if let Some((_, v)) = others.next_if(|(other, _)| *other == node) {
+            sum += crate::lattice::at(inverse_diagonal, node) * (w * v);
+        }
+    }
+    sum
 }

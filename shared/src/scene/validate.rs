@@ -1,8 +1,8 @@
 //! Ranges of a scene: wide enough for any tissue and tool one can hold in a hand, narrow enough that no coefficient overflows.
 
 use super::{
-    Body, Device, Effect, Hand, Lattice, Motion, Output, Pose, Scene, Solver, Stitch, Thread, Tissue, Tool, Until,
-    Wound,
+    Body, Device, Effect, Hand, KERNEL_PITCHES, Lattice, Motion, Output, Pose, Scene, Solver, Stitch, Thread, Tissue,
+    Tool, Until, Wound,
 };
 use crate::check::{Invalid, Validate, finite, require};
 use crate::limits::{CELLS_MAX, THREAD_NODES_MAX};
@@ -119,11 +119,13 @@ impl Validate for Scene {
         within(contact.coupling_n_per_m, &STIFFNESS, "contact.coupling_n_per_m")?;
         within(contact.coupling_n_s_per_m, &DAMPING, "contact.coupling_n_s_per_m")?;
         within(contact.kernel_m, &SIZE_M, "contact.kernel_m")?;
-        // A hair below, for a kernel that was written as 1.5 pitches and rounded.
+        // A hair of room, for a kernel that was written in pitches and rounded.
+        let [least, most] = KERNEL_PITCHES;
+        let pitches = contact.kernel_m / self.lattice.pitch_m;
         require(
-            contact.kernel_m >= 1.499_99 * self.lattice.pitch_m,
+            (0.999_99 * least..=1.000_01 * most).contains(&pitches),
             "contact.kernel_m",
-            "at least 1.5 pitches",
+            "1.5 to 4 pitches",
         )?;
         self.stitch.iter().try_for_each(Stitch::validate)?;
         self.thread.iter().try_for_each(Thread::validate)?;

@@ -1,6 +1,6 @@
 //! What works on the tissue: `[needle]` or `[ball]`, `[contact]`, `[stitch]`, `[thread]`, `[operator]`.
 
-use sutura_shared::scene::{self, Effect};
+use sutura_shared::scene::{self, Effect, KERNEL_PITCHES};
 use toml::Spanned;
 
 use super::{Keys, metres};
@@ -62,7 +62,7 @@ impl Keys<'_> {
             kernel_m: metres(self.source.number(
                 "contact.kernel_mm",
                 &contact.kernel_mm,
-                [1.5 * pitch, 5.0 * pitch],
+                KERNEL_PITCHES.map(|pitches| f64::from(pitches) * pitch),
             )?),
         })
     }
