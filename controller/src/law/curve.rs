@@ -2,11 +2,11 @@
 //!
 //! T(ε) = k L₀ (ε + Σ r_m max(0, ε − ε_m) − ½ g max(0, −ε − ε_c)²) with r, g ≥ 0: convex energy with a continuous slope.
 //!
-//! Compression keeps the first slope up to the lock ε_c. A lattice of springs alone has no resistance of its own against
-//! losing its volume, so a layer under a needle shears off and inverts at a stress of about G. The lock of the diagonals takes
-//! its place: uniaxial compression to 30 % shortens them by 4.5 % only, so their lock at 6 % leaves that curve alone and meets a
-//! loss of volume; the edges' lock at 30 % keeps a voxel from closing. The slope rises gradually: a step of twenty would make one
-//! Newton step a tick jump to and fro across it.
+//! Compression keeps the first slope up to the lock ε_c of the body diagonals; edges have none. A lattice of springs alone has no
+//! resistance of its own against losing its volume, so a layer under a needle shears off and inverts at a stress of about G.
+//! The lock takes its place: uniaxial compression to 30 % shortens the diagonals by 4.5 % only, so their lock there leaves that curve
+//! alone and meets a loss of volume. A lock of the edges would do harm: an edge that a blow has turned over is compressed too, and
+//! a lock would hold it there. The slope rises gradually: a step of twenty would make one Newton step a tick jump to and fro across it.
 
 use super::Stiffness;
 use crate::math::sqrt;
@@ -22,14 +22,12 @@ pub struct Breaks {
     pub strain: [f32; BREAKS],
     /// Rise of the slope there over the first slope, ≥ 0.
     pub rise: [f32; BREAKS],
-    /// Compression of the spring beyond which it locks, > 0, and by how much its slope rises a unit of strain from there.
+    /// Compression of the spring beyond which it locks, ≥ 0, and by how much its slope rises a unit of strain from there; 0 for none.
     pub lock: (f32, f32),
 }
 
-/// Lock of the edges.
-const EDGE_LOCK: (f32, f32) = (0.3, 100.0);
 /// Lock of the body diagonals.
-const DIAGONAL_LOCK: (f32, f32) = (0.06, 600.0);
+const DIAGONAL_LOCK: (f32, f32) = (0.045, 1000.0);
 
 impl Breaks {
     /// Normalised tension: T/(k L₀) at `strain`.
@@ -64,7 +62,6 @@ impl Curve {
             young,
             ..Self::default()
         };
-        curve.edge.lock = EDGE_LOCK;
         curve.diagonal.lock = DIAGONAL_LOCK;
         let rises = segments.windows(2).filter_map(|pair| match pair {
             [before, after] => Some((after.from_strain, (after.slope_pa - before.slope_pa) / young)),
