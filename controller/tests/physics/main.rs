@@ -1,0 +1,12 @@
+//! The tissue, its solver, the wound and the needle against formulas and against springs computed apart in double precision.
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a test that cannot go on has failed")]
+
+mod block;
+mod curves;
+mod hard;
+mod motion;
+mod needle;
+mod patch;
+mod reference;
+mod statics;
+mod wound;
