@@ -41,6 +41,12 @@ impl<'m, const N: usize> Rig<'m, N> {
         self.device.as_ref()
     }
 
+    /// The controller, for reports.
+    #[must_use]
+    pub const fn controller(&self) -> &Controller<'m, N> {
+        &self.controller
+    }
+
     /// The force that the device is told now, device frame; zero without a scene.
     #[must_use]
     pub const fn force(&self) -> LimitedForce {

@@ -53,14 +53,19 @@ mod counting {
 }
 
 use counting::calls_during;
+use std::cell::RefCell;
 use std::hint::black_box;
+use std::time::Duration;
+use sutura::link::{Link, Transport};
+use sutura_controller::link::Server;
 use sutura_shared::frame::Decoder;
-use sutura_shared::limits::WIRE_MAX;
-use sutura_shared::message::{Telemetry, ToHost};
-use sutura_shared::scene::Stage;
+use sutura_shared::limits::{STAGING_MAX, WIRE_MAX};
+use sutura_shared::message::{Grant, Telemetry, ToController, ToHost};
+use sutura_shared::scene::{Effect, Stage};
+use sutura_tests::scenario::{self, PcRig};
 
-/// Ten seconds of the simulated hand.
-const TICKS: u32 = 10_000;
+/// Twelve seconds of the simulated hand: the whole stitch.
+const TICKS: u32 = 12_000;
 
 #[test]
 fn the_counter_counts() {
@@ -99,4 +104,102 @@ fn messages_cross_the_wire_without_allocating() {
         }
     });
     assert_eq!((arrived, calls), (TICKS, 0));
+}
+
+/// The host's end of a line to a controller in the same thread.
+struct Direct<'s, 'm> {
+    server: &'s RefCell<Server<'m, PcRig<'m>>>,
+    answers: Vec<u8>,
+}
+
+impl Transport for Direct<'_, '_> {
+    fn send(&mut self, bytes: &[u8]) -> std::io::Result<()> {
+        let answers = &mut self.answers;
+        self.server
+            .borrow_mut()
+            .receive(bytes, &mut |frame| answers.extend_from_slice(frame));
+        Ok(())
+    }
+
+    fn receive(&mut self, _: Duration, into: &mut Vec<u8>) -> std::io::Result<()> {
+        into.append(&mut self.answers);
+        Ok(())
+    }
+}
+
+/// The first session, and a place in its sequence after the upload.
+const SESSION: u8 = 1;
+const AFTER_UPLOAD: u16 = 1000;
+/// Ticks of one grant.
+const GRANT: u32 = 100;
+
+/// What a host saw of a stitch, without keeping it.
+#[derive(Debug, Default, PartialEq)]
+struct Seen {
+    ticks: u32,
+    punctures: u32,
+    grants: u32,
+    faults: u32,
+    done: bool,
+}
+
+impl Seen {
+    fn note(&mut self, message: &ToHost) {
+        match message {
+            ToHost::Telemetry(tick) => {
+                self.ticks += 1;
+                self.faults |= tick.faults;
+                self.done = tick.stage == Stage::Done;
+            }
+            ToHost::Puncture(_) => self.punctures += 1,
+            ToHost::Granted(_) => self.grants += 1,
+            _ => {}
+        }
+    }
+}
+
+/// Grants, ticks and telemetry of the whole built-in stitch, every effect on.
+#[test]
+fn a_stitch_is_sewn_without_allocating() {
+    let built = scenario::built(None).unwrap();
+    assert!(Effect::ALL.into_iter().all(|effect| built.scene.effects.has(effect)));
+    let mut memory = scenario::memory();
+    let mut staging = vec![0; STAGING_MAX];
+    let server = RefCell::new(Server::new(PcRig::new(&mut memory), &mut staging));
+    let line = Direct {
+        server: &server,
+        answers: Vec::new(),
+    };
+    Link::connect(line).unwrap().upload(&built.scene, &built.cells).unwrap();
+    let mut server = server.borrow_mut();
+    let (mut decoder, mut wire, mut seen) = (Decoder::new(), [0; WIRE_MAX], Seen::default());
+    let calls = calls_during(|| {
+        let mut hear = |bytes: &[u8]| {
+            for byte in bytes {
+                if let Some(Ok(frame)) = decoder.push(*byte) {
+                    ToHost::decode(&frame).iter().for_each(|message| seen.note(message));
+                }
+            }
+        };
+        for grant in 1..=TICKS / GRANT {
+            let message = ToController::Grant(Grant {
+                until_tick: grant * GRANT,
+            });
+            let bytes = message
+                .encode(SESSION, AFTER_UPLOAD + grant as u16, &mut wire)
+                .unwrap_or_default();
+            server.receive(bytes, &mut hear);
+            while server.ready() {
+                server.step(&mut hear);
+            }
+        }
+    });
+    let expected = Seen {
+        ticks: TICKS,
+        punctures: 2,
+        grants: TICKS / GRANT,
+        faults: 0,
+        done: true,
+    };
+    assert_eq!((seen, calls), (expected, 0));
 }
