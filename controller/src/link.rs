@@ -25,6 +25,9 @@ pub trait Plant {
     /// Hash of all that happened since [`Self::load`] and of all that is; asking changes nothing.
     fn state_hash(&self) -> u64;
 
+    /// The device gets zero force until the next [`Self::tick`]: no tick is granted, and the host may be gone. Results do not change.
+    fn release(&mut self);
+
     /// The device gets zero force until the next [`Self::load`].
     fn stop(&mut self);
 }
@@ -88,8 +91,8 @@ impl<'m, P: Plant> Server<'m, P> {
         self.session.ready()
     }
 
-    /// Runs one tick if one is granted, and sends its telemetry; or, with the grant used up, says so once and takes a scene that waits
-    /// for this tick. Gives whether a tick was run.
+    /// Runs one tick if one is granted, and sends its telemetry; or, with the grant used up, releases the device and says so, once.
+    /// Gives whether a tick was run.
     pub fn step(&mut self, sink: &mut dyn FnMut(&[u8])) -> bool {
         self.session.step(sink)
     }

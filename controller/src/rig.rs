@@ -47,7 +47,7 @@ impl<'m, const N: usize> Rig<'m, N> {
         &self.controller
     }
 
-    /// The force that the device is told now, device frame; zero without a scene.
+    /// The force that the device is told now, device frame; zero while no tick is granted, and without a scene.
     #[must_use]
     pub const fn force(&self) -> LimitedForce {
         self.force
@@ -113,9 +113,14 @@ impl<const N: usize> Plant for Rig<'_, N> {
         self.hash_all().get()
     }
 
+    // The simulated device knows no time between ticks: its motors hold over a whole tick what that tick told them.
+    fn release(&mut self) {
+        self.force = LimitedForce::default();
+    }
+
     fn stop(&mut self) {
         self.device = None;
-        self.force = LimitedForce::default();
+        self.release();
     }
 }
 

@@ -87,8 +87,7 @@ impl<'m, P: Plant> Session<'m, P> {
             Err(MessageError::Payload(_)) => return self.broken_frame(),
         };
         if let ToController::Hello(hello) = message {
-            self.last = frame.header.seq;
-            return self.hello(&hello, sink);
+            return self.hello(&hello, frame.header.seq, sink);
         }
         if !self.in_sequence(frame.header.session, frame.header.seq) {
             self.received.stale = self.received.stale.wrapping_add(1);
@@ -111,13 +110,14 @@ impl<'m, P: Plant> Session<'m, P> {
         }
     }
 
-    /// Runs a tick, or says that none is left.
+    /// Runs a tick; or, where none is left, releases the device and says so.
     pub(super) fn step(&mut self, sink: &mut Sink<'_>) -> bool {
         let Some(mut run) = self.run.filter(|_| self.ready()) else {
             return false;
         };
         if run.tick >= run.until {
             self.run = Some(Run { said: true, ..run });
+            self.plant.release();
             let state_hash = self.plant.state_hash();
             let tick = run.tick;
             self.send(&ToHost::Granted(Granted { tick, state_hash }), sink);
@@ -134,7 +134,8 @@ impl<'m, P: Plant> Session<'m, P> {
         true
     }
 
-    fn hello(&mut self, hello: &Hello, sink: &mut Sink<'_>) {
+    /// A hello, and its sequence number. One that is rejected leaves the session of another host as it was.
+    fn hello(&mut self, hello: &Hello, seq: u16, sink: &mut Sink<'_>) {
         if !VERSION.speaks(hello.version) {
             let (mine, yours) = (VERSION, hello.version);
             return self.send(&ToHost::Reject(Reject { mine, yours }), sink);
@@ -147,6 +148,7 @@ impl<'m, P: Plant> Session<'m, P> {
         // From 1 to 255 and round again, so that a frame of the session before is known as such.
         self.number = self.number % u8::MAX + 1;
         self.next = 0;
+        self.last = seq;
         let answer = Hello {
             magic: MAGIC,
             version: VERSION,
@@ -287,4 +289,61 @@ fn puncture(output: &Output) -> Option<PunctureEvent> {
         f0_n: puncture.f0,
         depth_m: puncture.depth,
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::link::Loaded;
+    use sutura_shared::scene::Scene;
+
+    /// Pushes while ticks run.
+    #[derive(Default)]
+    struct Motor {
+        on: bool,
+    }
+
+    impl Plant for Motor {
+        fn load(&mut self, _: &Scene, _: &[u8]) -> Result<Loaded, LoadError> {
+            Ok(Loaded { voxels: 0, nodes: 0 })
+        }
+
+        fn tick(&mut self) -> Output {
+            self.on = true;
+            Output::idle()
+        }
+
+        fn state_hash(&self) -> u64 {
+            0
+        }
+
+        fn release(&mut self) {
+            self.on = false;
+        }
+
+        fn stop(&mut self) {
+            self.on = false;
+        }
+    }
+
+    /// A host that falls silent leaves no force behind: the device is released as soon as the grant is used up.
+    #[test]
+    fn without_a_grant_the_device_is_released() {
+        let mut session = Session::new(Motor::default(), &mut []);
+        session.run = Some(Run {
+            tick: 0,
+            until: 0,
+            said: true,
+        });
+        for until_tick in [2, 3] {
+            session.grant(Grant { until_tick });
+            while session.run.is_some_and(|run| run.tick < run.until) {
+                assert!(session.step(&mut |_| {}));
+                assert!(session.plant.on);
+            }
+            assert!(session.ready());
+            assert!(!session.step(&mut |_| {}));
+            assert!(!session.plant.on && !session.ready());
+        }
+    }
 }

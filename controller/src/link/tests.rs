@@ -28,6 +28,8 @@ impl Plant for Counter {
         0
     }
 
+    fn release(&mut self) {}
+
     fn stop(&mut self) {
         self.stops += 1;
     }
@@ -78,6 +80,24 @@ fn another_version_is_rejected_by_name() {
         say(&mut server, &hello(younger), 0, 0)[..],
         [(1, ToHost::Hello(_))]
     ));
+}
+
+/// The sequence numbers of a host that is sent away have nothing to do with those of the host that is served.
+#[test]
+fn a_rejected_hello_leaves_the_session_as_it_was() {
+    let staging = &mut [0; 1000];
+    let mut server = Server::new(Counter::default(), staging);
+    say(&mut server, &hello(VERSION), 0, 0);
+    let foreign = hello(Version { major: 2, ..VERSION });
+    assert!(matches!(
+        say(&mut server, &foreign, 0, 100)[..],
+        [(1, ToHost::Reject(_))]
+    ));
+    assert!(matches!(
+        say(&mut server, &ToController::Stop, 1, 1)[..],
+        [(1, ToHost::Ended(_))]
+    ));
+    assert_eq!((server.received().stale, server.received().missing), (0, 0));
 }
 
 #[test]

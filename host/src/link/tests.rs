@@ -60,6 +60,8 @@ impl Plant for Spring {
         hash.get()
     }
 
+    fn release(&mut self) {}
+
     fn stop(&mut self) {
         self.stopped = true;
     }
