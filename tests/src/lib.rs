@@ -1,5 +1,6 @@
 //! The harness of Sutura's integration tests.
 //!
+//! - [`remote`]: a scenario against a controller behind any stream.
 //! - [`scenario`]: scenes as they run, through the frames or tick by tick.
 //! - [`tidy`]: what the layout and the look of the code promise, as rules over the tracked files.
 //! - [`yardstick`]: what the machine allows, measured in the same run.
@@ -7,6 +8,7 @@
 //! Here: the ways in which a test may decline to run, always out loud.
 #![forbid(unsafe_code)]
 
+pub mod remote;
 pub mod scenario;
 pub mod tidy;
 pub mod yardstick;
