@@ -73,13 +73,13 @@ fn solve<const N: usize>(problem: &Problem<'_, N>, iterations: u16, work: &mut W
     for solution in &mut work.solution {
         solution.iter_mut().take(n).for_each(|x| *x = 0.0);
     }
-    points.scale(problem.coupling, n, work);
+    operator::precondition(points.as_ref(), n, work);
     for (search, scaled) in work.search.iter_mut().zip(&work.scaled) {
         search.iter_mut().zip(scaled).take(n).for_each(|(p, z)| *p = *z);
     }
     let mut rz = dot(&work.residual, &work.scaled, n);
     for _ in 0..iterations {
-        operator::apply(problem, work);
+        operator::apply(problem, points.as_ref(), work);
         let curvature = dot(&work.search, &work.product, n);
         // A residual that is zero already, or rounding, ends the progress but not the loop.
         let along = if curvature > 0.0 && rz > 0.0 {
@@ -98,7 +98,7 @@ fn solve<const N: usize>(problem: &Problem<'_, N>, iterations: u16, work: &mut W
                 *r -= along * q;
             }
         }
-        points.scale(problem.coupling, n, work);
+        operator::precondition(points.as_ref(), n, work);
         let next = dot(&work.residual, &work.scaled, n);
         let keep = if rz > 0.0 { next / rz } else { 0.0 };
         rz = next;

@@ -17,7 +17,7 @@ use nalgebra::{SMatrix, SVector};
 const UNKNOWNS: usize = 3 * POINTS;
 
 /// `work.product` = A · `work.search`.
-pub(super) fn apply<const N: usize>(problem: &Problem<'_, N>, work: &mut Work<N>) {
+pub(super) fn apply<const N: usize>(problem: &Problem<'_, N>, points: Option<&Points<'_>>, work: &mut Work<N>) {
     let lattice = problem.lattice;
     let n = lattice.len();
     let inertia = 1.0 / (DT * DT) + problem.material.mass_damping / DT;
@@ -39,10 +39,10 @@ pub(super) fn apply<const N: usize>(problem: &Problem<'_, N>, work: &mut Work<N>
             add_at(product, right, push);
         }
     }
-    let points = problem.coupling.gather(&work.search);
-    problem
-        .coupling
-        .scatter(&problem.coupling.product(&points), &mut work.product);
+    if let Some(Points { coupling, .. }) = points {
+        let pull = coupling.product(&coupling.gather(&work.search));
+        coupling.scatter(&pull, &mut work.product);
+    }
 }
 
 fn add_at<const N: usize>(values: &mut [f32; N], index: usize, add: f32) {
@@ -112,17 +112,21 @@ pub(super) fn load_points<const N: usize>(coupling: &Coupling, work: &mut Work<N
     coupling.scatter(&coupling.force, &mut work.residual);
 }
 
-/// The points' part of the preconditioner.
+/// The points' part of the operator and of its preconditioner.
 ///
 /// M = D + WᵀSW with D the operator's diagonal. By Woodbury M⁻¹ = D⁻¹ − D⁻¹Wᵀ T W D⁻¹ with T = (I + S G)⁻¹ S and
 /// G = W D⁻¹ Wᵀ: S may be singular (a slack thread) and as stiff as a link.
-pub(super) struct Points {
+pub(super) struct Points<'a> {
+    coupling: &'a Coupling,
     schur: [[Mat3; POINTS]; POINTS],
 }
 
-impl Points {
-    /// Factors the points' part; one 9 × 9 elimination.
-    pub(super) fn new<const N: usize>(coupling: &Coupling, inverse_diagonal: &Field<N>) -> Self {
+impl<'a> Points<'a> {
+    /// Factors the points' part, one 9 × 9 elimination; `None` where nothing holds the tissue.
+    pub(super) fn new<const N: usize>(coupling: &'a Coupling, inverse_diagonal: &Field<N>) -> Option<Self> {
+        if coupling.is_idle() {
+            return None;
+        }
         let mut stiffness = SMatrix::<f32, UNKNOWNS, UNKNOWNS>::zeros();
         let mut compliance = stiffness;
         for p in 0..POINTS {
@@ -136,28 +140,31 @@ impl Points {
         }
         let system = SMatrix::<f32, UNKNOWNS, UNKNOWNS>::identity() + stiffness * compliance;
         let schur = system.lu().solve(&stiffness).unwrap_or_else(SMatrix::zeros);
-        Self {
+        Some(Self {
+            coupling,
             schur: core::array::from_fn(|p| {
                 core::array::from_fn(|q| schur.fixed_view::<3, 3>(3 * p, 3 * q).into_owned())
             }),
+        })
+    }
+}
+
+/// `work.scaled` = M⁻¹ · `work.residual`.
+pub(super) fn precondition<const N: usize>(points: Option<&Points<'_>>, n: usize, work: &mut Work<N>) {
+    let parts = work.scaled.iter_mut().zip(&work.inverse_diagonal).zip(&work.residual);
+    for ((scaled, inverse), residual) in parts {
+        for ((z, d), r) in scaled.iter_mut().zip(inverse).zip(residual).take(n) {
+            *z = d * r;
         }
     }
-
-    /// `work.scaled` = M⁻¹ · `work.residual`.
-    pub(super) fn scale<const N: usize>(&self, coupling: &Coupling, n: usize, work: &mut Work<N>) {
-        let parts = work.scaled.iter_mut().zip(&work.inverse_diagonal).zip(&work.residual);
-        for ((scaled, inverse), residual) in parts {
-            for ((z, d), r) in scaled.iter_mut().zip(inverse).zip(residual).take(n) {
-                *z = d * r;
-            }
-        }
-        let points = coupling.gather(&work.scaled);
-        let back = crate::coupling::product(&self.schur, &points);
-        for (kernel, back) in coupling.kernels.iter().zip(&back) {
-            for (node, w) in kernel.iter() {
-                let inverse = crate::lattice::at(&work.inverse_diagonal, node);
-                crate::lattice::add(&mut work.scaled, node, -inverse.component_mul(back) * w);
-            }
+    let Some(Points { coupling, schur }) = points else {
+        return;
+    };
+    let back = crate::coupling::product(schur, &coupling.gather(&work.scaled));
+    for (kernel, back) in coupling.kernels.iter().zip(&back) {
+        for (node, w) in kernel.iter() {
+            let inverse = crate::lattice::at(&work.inverse_diagonal, node);
+            crate::lattice::add(&mut work.scaled, node, -inverse.component_mul(back) * w);
         }
     }
 }
