@@ -1,4 +1,6 @@
-//! The controller as a bare-metal image: no operating system, no allocator, nothing large on the stack.
+//! The controller as a bare-metal image: no operating system, no allocator.
+//!
+//! What lives from tick to tick lies in static cells; the stack holds the scratch of one tick or one upload, some tens of kilobytes.
 //!
 //! There is no `#[global_allocator]`, so that the image links is the proof that neither the controller nor the wire allocates.
 #![no_std]
@@ -9,7 +11,7 @@ mod actuator;
 mod halt;
 mod uart;
 
-use static_cell::ConstStaticCell;
+use static_cell::{ConstStaticCell, StaticCell};
 use sutura_controller::lattice::Lattice;
 use sutura_controller::link::Server;
 use sutura_controller::rig::Rig;
@@ -20,9 +22,10 @@ use uart::Uart;
 /// Array length of a patch that fits the memory of a common Cortex-M7 (512 KiB): holds 10 × 8 × 7 nodes.
 const NODES: usize = Lattice::<0>::guard([10, 8, 7]) as usize;
 
-// Both are all zeros, so they cost no room in the image and are never built on the stack.
+// The first two are all zeros, so they cost no room in the image and are never built on the stack.
 static MEMORY: ConstStaticCell<Memory<NODES>> = ConstStaticCell::new(bytemuck::zeroed());
 static STAGING: ConstStaticCell<[u8; STAGING_MAX]> = ConstStaticCell::new([0; STAGING_MAX]);
+static SERVER: StaticCell<Server<'static, Rig<'static, NODES>>> = StaticCell::new();
 
 #[cortex_m_rt::entry]
 fn main() -> ! {
@@ -31,7 +34,9 @@ fn main() -> ! {
     let (Some(memory), Some(staging)) = (MEMORY.try_take(), STAGING.try_take()) else {
         halt::halt();
     };
-    let mut server = Server::new(Rig::new(memory), staging);
+    let Some(server) = SERVER.try_init_with(|| Server::new(Rig::new(memory), staging)) else {
+        halt::halt();
+    };
     loop {
         if let Some(byte) = uart.receive() {
             server.receive(&[byte], &mut |frame| uart.send(frame));
