@@ -1,6 +1,6 @@
 //! The `sutura` program: arguments in, results on stdout, everything else on stderr.
 
-use std::io::IsTerminal;
+use std::io::{ErrorKind, IsTerminal, Write};
 use std::path::PathBuf;
 use std::process::ExitCode;
 use std::sync::Arc;
@@ -100,7 +100,7 @@ fn main() -> ExitCode {
         Some(Command::Run(args)) => run_scene(args),
         Some(Command::Voxelize(args)) => count_voxels(&args),
         Some(Command::Scene(_)) => {
-            print!("{}", scene::BUILT_IN);
+            say(format_args!("{}", scene::BUILT_IN));
             ExitCode::SUCCESS
         }
     }
@@ -145,9 +145,9 @@ fn run_scene(args: RunArgs) -> ExitCode {
                 ExitCode::from(1)
             };
             if json {
-                print_json(&report)
+                print_json(&report);
             } else {
-                println!("{report}")
+                say(format_args!("{report}\n"));
             }
             code
         }
@@ -172,18 +172,18 @@ fn count_voxels(args: &VoxelizeArgs) -> ExitCode {
                 tracing::warn!("{warning}");
             }
             let [x, y, z] = report.grid;
-            println!(
-                "{} triangles, {x} × {y} × {z} cells of {} mm",
+            say(format_args!(
+                "{} triangles, {x} × {y} × {z} cells of {} mm\n",
                 report.triangles, report.pitch_mm
-            );
-            println!(
-                "{} voxels, {:.1} mm³, {} nodes, {} of them on the surface",
+            ));
+            say(format_args!(
+                "{} voxels, {:.1} mm³, {} nodes, {} of them on the surface\n",
                 report.voxels, report.volume_mm3, report.nodes, report.surface_nodes
-            );
-            println!(
-                "{} edge springs, {} body diagonals, {:.0} ms",
+            ));
+            say(format_args!(
+                "{} edge springs, {} body diagonals, {:.0} ms\n",
                 report.springs.edge, report.springs.body_diagonal, report.ms
-            );
+            ));
         }
         Err(error) => return fail(&error, args.json, 2),
     }
@@ -192,15 +192,24 @@ fn count_voxels(args: &VoxelizeArgs) -> ExitCode {
 
 fn print_json(value: &impl serde::Serialize) {
     match serde_json::to_string(value) {
-        Ok(text) => println!("{text}"),
+        Ok(text) => say(format_args!("{text}\n")),
         Err(error) => eprintln!("error: {error}"),
+    }
+}
+
+/// Writes to stdout. Whoever closes it has read enough: that is no error.
+fn say(text: std::fmt::Arguments<'_>) {
+    let mut stdout = std::io::stdout().lock();
+    match stdout.write_fmt(text).and_then(|()| stdout.flush()) {
+        Err(error) if error.kind() != ErrorKind::BrokenPipe => eprintln!("error: stdout: {error}"),
+        _ => {}
     }
 }
 
 /// One line on stderr, and under `--json` an object on stdout.
 fn fail(error: &dyn std::error::Error, json: bool, code: u8) -> ExitCode {
     if json {
-        println!("{}", serde_json::json!({ "error": error.to_string() }));
+        say(format_args!("{}\n", serde_json::json!({ "error": error.to_string() })));
     }
     eprintln!("error: {error}");
     ExitCode::from(code)

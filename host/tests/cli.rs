@@ -94,6 +94,25 @@ fn a_tissue_that_the_scene_has_not_is_refused() {
     refused(&output, "no tissue `liver`, it has skin, muscle, bone");
 }
 
+/// `sutura scene --print-default | head -0`, and the like of it.
+#[test]
+fn a_closed_stdout_is_no_error() {
+    let folder = tempfile::tempdir().unwrap();
+    let short = ["run", "--json", "--seconds", "0.001", "--out", "o"];
+    for arguments in [&["scene", "--print-default"][..], &short] {
+        let (reader, writer) = std::io::pipe().unwrap();
+        drop(reader);
+        let output = Command::new(env!("CARGO_BIN_EXE_sutura"))
+            .args(arguments)
+            .current_dir(folder.path())
+            .stdout(writer)
+            .output()
+            .unwrap();
+        assert!(output.status.success() && output.stderr.is_empty(), "{output:?}");
+    }
+    assert!(folder.path().join("o/force.csv").exists());
+}
+
 /// Ctrl+C: exit code 130 and no file, whole or half.
 #[cfg(unix)]
 #[test]
