@@ -37,10 +37,10 @@ pub fn run(request: &Request, interrupted: &AtomicBool, progress: impl FnMut(&Te
     }
     files::folder(&request.out)?;
     let session = session(request, &built, interrupted, progress)?;
-    if session.log.ticks.last().is_none_or(|tick| tick.stage != Stage::Done) && request.seconds.is_none() {
+    if session.ran.skipped > 0 {
         tracing::warn!(
-            "not done after {} s of simulated time: the run was ended",
-            TICKS_MAX / 1000
+            "{} ms passed without a tick: the machine is too slow or too busy for real time",
+            session.ran.skipped
         );
     }
     let title = match &request.scene {
@@ -48,7 +48,21 @@ pub fn run(request: &Request, interrupted: &AtomicBool, progress: impl FnMut(&Te
         None => "Force on the hand over one stitch".to_owned(),
     };
     files::write(&request.out, &title, &session.log)?;
+    if request.seconds.is_none() {
+        stuck(&session.log)?;
+    }
     Ok(report(request, &built, session))
+}
+
+/// Refuses a run that had all its time and is not done. A fault says more than that, so a run with one is reported.
+fn stuck(log: &Log) -> Result<(), Error> {
+    match log.ticks.last() {
+        Some(last) if last.stage != Stage::Done && log.faults() == 0 => Err(Error::Stuck {
+            stage: last.stage.name(),
+            seconds: last.tick / 1000,
+        }),
+        _ => Ok(()),
+    }
 }
 
 /// Uploads the scene to a controller of our own and listens until the run is over.
@@ -202,6 +216,16 @@ pub enum Error {
     /// The controller's thread panicked.
     #[error("the controller stopped: this is a defect of the program")]
     Controller,
+    /// The script did not come to its end.
+    #[error(
+        "still in stage {stage} after {seconds} s of simulated time, the longest run: shorter ways or higher speeds in [operator] are right; the files show how far it came"
+    )]
+    Stuck {
+        /// The last stage.
+        stage: &'static str,
+        /// When [s].
+        seconds: u32,
+    },
     /// Ctrl+C.
     #[error("interrupted")]
     Interrupted,
@@ -212,7 +236,11 @@ impl Error {
     #[must_use]
     pub fn exit_code(&self) -> u8 {
         match self {
-            Self::Scene(_) | Self::Build(_) | Self::Files(files::Error::File { .. }) | Self::Thread(_) => 2,
+            Self::Scene(_)
+            | Self::Build(_)
+            | Self::Files(files::Error::File { .. })
+            | Self::Thread(_)
+            | Self::Stuck { .. } => 2,
             Self::Link(
                 LinkError::Refused {
                     reason: UploadError::Build,
@@ -223,5 +251,37 @@ impl Error {
             Self::Interrupted => 130,
             Self::Files(files::Error::Plot(_)) | Self::Link(_) | Self::Controller => 1,
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_run_that_never_ends_names_its_stage_unless_a_fault_says_more() {
+        let log = |stage, faults| Log {
+            ticks: vec![Telemetry {
+                tick: TICKS_MAX,
+                stage,
+                faults,
+                position_m: [0.0; 3],
+                simulated_n: [0.0; 3],
+                rendered_n: [0.0; 3],
+                thread_n: 0.0,
+                gap_m: 0.0,
+                gap_mean_m: 0.0,
+                saturated: false,
+            }],
+            punctures: Vec::new(),
+        };
+        let error = stuck(&log(Stage::Indent, 0)).unwrap_err();
+        assert!(
+            error.to_string().starts_with("still in stage indent after 60 s"),
+            "{error}"
+        );
+        assert_eq!(error.exit_code(), 2);
+        assert!(stuck(&log(Stage::Indent, 1)).is_ok());
+        assert!(stuck(&log(Stage::Done, 0)).is_ok());
     }
 }

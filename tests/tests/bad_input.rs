@@ -8,15 +8,25 @@ use std::sync::atomic::AtomicBool;
 
 use sutura::run::{self, Request};
 use sutura::scene::BUILT_IN;
+use toml::{Table, Value};
 
-/// Runs the built-in scene with some of its text replaced; gives the error's line.
-fn refused(changes: &[(&str, &str)], meshes: &[(&str, PathBuf)]) -> String {
-    let folder = tempfile::tempdir().unwrap();
-    let mut text = BUILT_IN.to_owned();
-    for (from, to) in changes {
-        assert!(text.contains(from), "{from}");
-        text = text.replace(from, to);
+/// Runs the built-in scene with some of its keys set, named as `section.key`; gives the error's line.
+fn refused(changes: &[(&str, Value)], meshes: &[(&str, PathBuf)]) -> String {
+    let mut scene: Table = BUILT_IN.parse().unwrap();
+    for (key, value) in changes {
+        let mut keys: Vec<_> = key.split('.').collect();
+        let last = keys.pop().unwrap();
+        let section = keys
+            .into_iter()
+            .fold(&mut scene, |table, key| table[key].as_table_mut().unwrap());
+        section.insert(last.to_owned(), value.clone());
     }
+    refused_text(&scene.to_string(), meshes)
+}
+
+/// Runs a scene; gives the error's line.
+fn refused_text(text: &str, meshes: &[(&str, PathBuf)]) -> String {
+    let folder = tempfile::tempdir().unwrap();
     let scene = folder.path().join("scene.toml");
     std::fs::write(&scene, text).unwrap();
     let out = folder.path().join("out");
@@ -48,7 +58,7 @@ fn says(line: &str, parts: &[&str]) {
 #[test]
 fn an_unknown_key() {
     says(
-        &refused(&[("bite_mm", "byte_mm")], &[]),
+        &refused(&[("stitch.byte_mm", 4.0.into())], &[]),
         &["scene.toml:", "unknown field `byte_mm`", "`bite_mm`"],
     );
 }
@@ -56,14 +66,14 @@ fn an_unknown_key() {
 #[test]
 fn a_value_out_of_range() {
     says(
-        &refused(&[("tension_n = 1.0", "tension_n = -1")], &[]),
+        &refused(&[("operator.sew.tension_n", (-1.0).into())], &[]),
         &["scene.toml:", "operator.sew.tension_n = -1", "0.05 to 10"],
     );
 }
 
 #[test]
 fn a_file_that_is_no_toml() {
-    says(&refused(&[("[patch]", "[patch")], &[]), &["scene.toml:"]);
+    says(&refused_text("[patch\n", &[]), &["scene.toml:1:"]);
 }
 
 /// 81 × 61 × 25 nodes at 0.5 mm; the capacity is 24 × 24 × 12 = 6,912.
@@ -71,8 +81,9 @@ fn a_file_that_is_no_toml() {
 fn a_pitch_that_gives_too_many_nodes() {
     let line = refused(
         &[
-            ("pitch_mm = 2 ", "pitch_mm = 0.5 "),
-            ("kernel_mm = 3.5 ", "kernel_mm = 2 "),
+            ("patch.pitch_mm", 0.5.into()),
+            // At most 3.5 pitches.
+            ("contact.kernel_mm", 1.5.into()),
         ],
         &[],
     );
@@ -81,20 +92,14 @@ fn a_pitch_that_gives_too_many_nodes() {
 
 #[test]
 fn a_site_off_the_skin() {
-    let line = refused(
-        &[("along = [0, 1, 0]", "along = [0, 1, 0]\nsite_mm = [0, 0, 80]\n")],
-        &[],
-    );
+    let line = refused(&[("patch.site_mm", vec![0.0, 0.0, 80.0].into())], &[]);
     says(&line, &["site (0.0, 0.0, 80.0) mm", "from the nearest surface"]);
 }
 
 /// The bite is from the wound's edge, so with a gap of 4 mm a puncture at 19 mm would be beyond the patch's last free column.
 #[test]
 fn a_puncture_outside_of_the_patch() {
-    let changes = [
-        ("bite_mm = 4 ", "bite_mm = 17 "),
-        ("length_mm = 26 ", "length_mm = 80 "),
-    ];
+    let changes = [("stitch.bite_mm", 17.0.into()), ("needle.length_mm", 80.0.into())];
     says(
         &refused(&changes, &[]),
         &["stitch.bite_mm = 17 is out of range", "0.5 to 16"],
@@ -106,8 +111,8 @@ fn a_puncture_outside_of_the_patch() {
 fn too_little_soft_tissue_for_the_needle() {
     let line = refused(
         &[
-            ("size_mm = [40, 30, 12]", "size_mm = [40, 30, 4]"),
-            ("depth_mm = 6", "depth_mm = 2"),
+            ("patch.size_mm", vec![40.0, 30.0, 4.0].into()),
+            ("wound.depth_mm", 2.0.into()),
         ],
         &[],
     );
@@ -119,6 +124,15 @@ fn a_wound_over_bone() {
     let folder = tempfile::tempdir().unwrap();
     let [_, _, skin] = sutura::geometry::phantom::write(folder.path()).unwrap();
     says(&refused(&[], &[("bone", skin)]), &["only 0 mm of soft tissue", "bone"]);
+}
+
+/// The needle's circle and a thread of 300 mm do not fit into a workspace of 381 × 267 × 191 mm.
+#[test]
+fn a_thread_that_the_arm_cannot_pull_taut() {
+    says(
+        &refused(&[("thread.length_mm", 300.0.into())], &[]),
+        &["thread.length_mm = 300 is out of range", "at most"],
+    );
 }
 
 #[test]

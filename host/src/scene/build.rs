@@ -8,6 +8,7 @@ use sutura_shared::scene::{self, Body, Effect, Lattice, Scene, Tool};
 use super::file::{Mesh as MeshFile, Phantom};
 use super::operator::{self, Operator, Place};
 use super::plan::{self, Plan};
+use super::reach;
 use crate::geometry::Vec3;
 use crate::geometry::frame::Site;
 use crate::geometry::lattice::{self, LatticeCounts};
@@ -30,6 +31,7 @@ pub fn build(plan: &Plan, nodes_max: usize) -> Result<Built, Error> {
     warnings.extend(patch.warnings.iter().map(ToString::to_string));
     let place = place(plan, &patch)?;
     let hand = plan.operator.hand(plan.hand, &place);
+    reach::check(plan, &place)?;
     let half = place.half_m as f32;
     let scene = Scene {
         effects: plan.effects,
@@ -287,6 +289,9 @@ pub enum Error {
     /// The patch.
     #[error(transparent)]
     Patch(#[from] PatchError),
+    /// The simulated arm cannot follow the script.
+    #[error(transparent)]
+    Reach(#[from] reach::Error),
     /// A puncture site, or the place to touch, outside of the tissue.
     #[error(
         "no tissue at x = {x_mm} mm, y = 0 of the patch, where the tool is to meet the skin: move patch.site_mm or make stitch.bite_mm smaller"

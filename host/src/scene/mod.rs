@@ -7,6 +7,7 @@
 //! | [`check`] | allowed ranges, effects and their keys |
 //! | [`plan`] | the checked scene |
 //! | [`operator`] | the hand's script |
+//! | [`reach`] | whether the simulated arm can follow it |
 //! | [`build`] | the patch and the record for the controller |
 
 pub mod build;
@@ -14,6 +15,7 @@ pub mod check;
 pub mod file;
 pub mod operator;
 pub mod plan;
+pub mod reach;
 pub mod source;
 
 use std::path::{Path, PathBuf};
