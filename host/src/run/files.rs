@@ -60,11 +60,12 @@ fn whole(path: &Path, write: impl FnOnce(&Path) -> Result<(), Error>) -> Result<
         .extension()
         .map(|extension| format!(".{}", extension.display()))
         .unwrap_or_default();
-    let beside = tempfile::Builder::new()
-        .prefix(".sutura-")
-        .suffix(&suffix)
-        .tempfile_in(folder)
-        .map_err(fault)?;
+    let mut builder = tempfile::Builder::new();
+    builder.prefix(".sutura-").suffix(&suffix);
+    // A temporary file is its owner's alone; what stays is as readable as any file, less the umask.
+    #[cfg(unix)]
+    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
+    let beside = builder.tempfile_in(folder).map_err(fault)?;
     write(beside.path())?;
     beside.persist(path).map_err(|error| fault(error.error))?;
     Ok(())
@@ -103,5 +104,17 @@ mod tests {
         });
         assert!(result.is_err());
         assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_file_has_the_permissions_of_any_other() {
+        use std::os::unix::fs::PermissionsExt;
+        let folder = tempfile::tempdir().unwrap();
+        let [ours, plain] = ["force.csv", "plain"].map(|name| folder.path().join(name));
+        std::fs::write(&plain, "").unwrap();
+        assert!(whole(&ours, |_| Ok(())).is_ok());
+        let [ours, plain] = [ours, plain].map(|path| std::fs::metadata(path).unwrap().permissions().mode());
+        assert_eq!(ours, plain);
     }
 }

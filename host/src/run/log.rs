@@ -5,7 +5,7 @@ use sutura_shared::message::{PunctureEvent, Telemetry};
 use sutura_shared::scene::{Site, Stage};
 
 impl Log {
-    /// Runs of ticks with one stage, in order. A later one counts to the next stitch where the order of stages begins anew.
+    /// Runs of ticks with one stage, in order; all belong to the one stitch of a run.
     #[must_use]
     pub fn stages(&self) -> Vec<StageSpan> {
         let same = |a: &Telemetry, b: &Telemetry| a.stage == b.stage;
@@ -106,7 +106,7 @@ pub struct StageSpan {
     pub stage: Stage,
     /// Its name.
     pub name: &'static str,
-    /// Number of the stitch, from 1.
+    /// Number of the stitch: 1.
     pub stitch: u32,
     /// First tick.
     pub from_tick: u32,
@@ -125,7 +125,7 @@ pub struct StageSpan {
 pub struct Puncture {
     /// Where.
     pub site: &'static str,
-    /// Number of the stitch, from 1.
+    /// Number of the stitch: 1.
     pub stitch: u32,
     /// When.
     pub tick: u32,
