@@ -40,8 +40,16 @@ pub struct Tissue<'a> {
 pub struct Shell {
     /// Which one, an index into [`Anatomy::tissues`].
     pub tissue: usize,
-    /// Its thickness, at least one cell [mm].
+    /// Its thickness [mm]; it takes [`layers`] of cells.
     pub thickness_mm: f64,
+}
+
+/// Layers of cells that hold a shell of this thickness, at least one: none is lost, and as stiffness in the plane goes with the thickness, what
+/// the cells are too many is made up for by softer ones.
+#[must_use]
+pub fn layers(thickness_mm: f64, pitch_mm: f64) -> usize {
+    // A hair of room, for a multiple of the pitch that was rounded up.
+    ((thickness_mm / pitch_mm - 1e-6).ceil() as usize).max(1)
 }
 
 /// What there is to cut a patch from.
@@ -116,6 +124,14 @@ pub enum Warning {
     Rounded {
         /// Which length.
         what: &'static str,
+        /// As asked for [mm].
+        asked_mm: f64,
+        /// As it is [mm].
+        got_mm: f64,
+    },
+    /// A shell that is thinner than the cells which hold it.
+    #[error("tissue of {asked_mm} mm became {got_mm} mm of softer voxels, as stiff in their plane")]
+    Thickened {
         /// As asked for [mm].
         asked_mm: f64,
         /// As it is [mm].
@@ -201,6 +217,9 @@ pub fn cut(anatomy: &Anatomy, site: &Site, block: &Block) -> Result<Patch, Patch
         .find_map(|tissue| tissue.mesh)
         .ok_or(PatchError::NoMesh)?;
     let (plan, mut warnings) = Plan::of(block)?;
+    // Cells cost time, so what is too much even without a rise of the skin is refused before there are any.
+    plan.check_capacity(&plan.grid(0), block)?;
+    warnings.extend(anatomy.shell.and_then(|shell| thickened(&shell, plan.pitch)));
     let patch_from_world = patch_from_world(outer, site)?;
     // One layer more than may be used shows whether anything is cut off.
     let tall = plan.grid(plan.above_max + 1);
@@ -242,6 +261,12 @@ pub fn cut(anatomy: &Anatomy, site: &Site, block: &Block) -> Result<Patch, Patch
         soft_depth_mm,
         warnings,
     })
+}
+
+fn thickened(shell: &Shell, pitch: f64) -> Option<Warning> {
+    let asked_mm = shell.thickness_mm;
+    let got_mm = layers(asked_mm, pitch) as f64 * pitch;
+    ((asked_mm - got_mm).abs() > 1e-6 * pitch).then_some(Warning::Thickened { asked_mm, got_mm })
 }
 
 fn count(cells: &[u8]) -> usize {
@@ -332,7 +357,7 @@ mod tests {
     #[test]
     fn skin_is_a_shell_of_at_least_one_cell() {
         let arm = phantom::forearm();
-        for (thickness_mm, layers) in [(0.5, 1), (1.5, 1), (4.0, 2)] {
+        for (thickness_mm, layers) in [(0.5, 1), (2.0, 1), (2.9, 2), (4.0, 2)] {
             let shell = Some(Shell {
                 tissue: 2,
                 thickness_mm,
@@ -354,6 +379,18 @@ mod tests {
                 .unwrap();
                 assert_eq!(patch.voxels[2], (20 * 16 - 2 * 10) * layers, "{thickness_mm} mm");
                 assert!(patch.voxels[1] > 0 && patch.voxels[0] == 0);
+                let said: Vec<_> = patch.warnings.iter().map(ToString::to_string).collect();
+                match thickness_mm {
+                    0.5 => assert_eq!(
+                        said,
+                        ["tissue of 0.5 mm became 2 mm of softer voxels, as stiff in their plane"]
+                    ),
+                    2.9 => assert_eq!(
+                        said,
+                        ["tissue of 2.9 mm became 4 mm of softer voxels, as stiff in their plane"]
+                    ),
+                    _ => assert!(said.is_empty(), "{said:?}"),
+                }
             }
         }
     }

@@ -10,6 +10,9 @@ use super::Vec3;
 use super::mesh::Mesh;
 use super::stl::{self, StlError};
 
+/// Names of its tissues, from the outside in.
+pub const TISSUES: [&str; 3] = ["skin", "muscle", "bone"];
+
 /// Where the stitch goes: on the flat side of the skin, between the bones [mm].
 pub const SITE: [f64; 3] = [0.0, 0.0, 32.0];
 

@@ -185,6 +185,10 @@ fn metres(mm: f64) -> f32 {
     (mm * 1e-3) as f32
 }
 
+fn seconds(ms: f64) -> f32 {
+    (ms * 1e-3) as f32
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -237,7 +241,7 @@ mod tests {
     }
 
     /// What is replaced, by what, where the line is, what the error says.
-    const FAULTS: [(&str, &str, &str, &str); 13] = [
+    const FAULTS: [(&str, &str, &str, &str); 17] = [
         (
             "pitch_mm = 2 ",
             "pitch_mm = 0 ",
@@ -273,7 +277,7 @@ mod tests {
             "kernel_mm = 3.5 ",
             "kernel_mm = 2 ",
             "kernel_mm",
-            "contact.kernel_mm = 2 is out of range: 3 to 10",
+            "contact.kernel_mm = 2 is out of range: 3 to ",
         ),
         (
             "bite_mm = 4 ",
@@ -292,6 +296,30 @@ mod tests {
             "[281, 1700]",
             "slopes_kpa = [281",
             "slopes_kpa has 2 slopes",
+        ),
+        (
+            "along = [0, 1, 0]",
+            "normal = [0, 0, 1]\nalong = [0, 1, 0]",
+            "along = [0, 1, 0]",
+            "patch.normal changes nothing without key patch.site_mm",
+        ),
+        (
+            "name = \"bone\"",
+            "name = \"bones\"",
+            "name = \"bone\"",
+            "tissue `bones`: the phantom has no such tissue, it has skin, muscle, bone",
+        ),
+        (
+            "[[tissue]]\nname = \"bone\"\nbody = \"fixed\"\n",
+            "",
+            "phantom = ",
+            "[[tissue]] `bone` is missing: the phantom has skin, muscle, bone",
+        ),
+        (
+            "link_mm = 5\n",
+            "link_mm = 1\n",
+            "link_mm = 5",
+            "thread.link_mm = 1 is out of range: 2 to 20",
         ),
         (
             "be-pcg:10:1\"\n",
@@ -323,6 +351,49 @@ mod tests {
             );
             assert!(!error.contains('\n'), "{error}");
         }
+    }
+
+    /// E·t: what the cells are thicker than the tissue they are softer.
+    #[test]
+    fn a_layer_is_as_stiff_as_it_is_thick() {
+        for (thickness, cells_mm) in [(0.5, 2.0), (2.0, 2.0), (2.9, 4.0), (4.0, 4.0), (4.1, 6.0)] {
+            let plan = altered("thickness_mm = 2 ", &format!("thickness_mm = {thickness} ")).unwrap();
+            let Body::Soft { sheet, .. } = &plan.tissues[0].body.body else {
+                panic!("skin is soft")
+            };
+            assert!((f64::from(*sheet) * cells_mm - thickness).abs() < 1e-6, "{thickness}");
+        }
+    }
+
+    /// 9 mm in links of 2.1 mm would be 4 of 2.25 mm; 7 mm would be 3.33 links, 3 of them; 5.3 mm in links of 2 mm would be 2.65, but 3 are too short.
+    #[test]
+    fn links_are_whole_and_as_long_as_the_controller_needs() {
+        for (length, link, nodes) in [(9.0, 2.1, 5), (7.0, 2.1, 4), (5.3, 2.0, 3), (126.0, 2.0, 64)] {
+            let changed = format!("length_mm = {length}\nlink_mm = {link}\n");
+            let thread = altered("length_mm = 115\nlink_mm = 5\n", &changed)
+                .unwrap()
+                .thread
+                .unwrap();
+            assert_eq!(thread.nodes, nodes);
+            assert!(thread.link_m >= 0.002, "{thread:?}");
+        }
+    }
+
+    #[test]
+    fn a_fourth_curve_is_refused() {
+        let soft = "[[tissue]]\nname = \"NAME\"\nmesh = { path = \"a.stl\" }\nbody = \"soft\"\ndensity_kg_m3 = 1000\nslopes_kpa = [50]\n";
+        let head = include_str!("../../scenes/head-stl.toml").replace(
+            "body = \"fixed\"",
+            "body = \"soft\"\ndensity_kg_m3 = 1000\nslopes_kpa = [90]",
+        );
+        let line = head.lines().count() + 1;
+        let source = Source {
+            name: "s.toml".into(),
+            text: format!("{head}{}", soft.replace("NAME", "fat")),
+        };
+        let error = check(&source, &source.parse().unwrap()).unwrap_err().to_string();
+        let expected = "tissue fat: with effect stiffening at most 3 tissues may have body = \"soft\"";
+        assert_eq!(error, format!("s.toml:{line}: {expected}"));
     }
 
     #[test]

@@ -3,7 +3,7 @@
 use nalgebra::{Isometry3, Point3};
 
 use super::plan::Plan;
-use super::{Anatomy, PatchError};
+use super::{Anatomy, PatchError, layers};
 use crate::geometry::Vec3;
 use crate::geometry::grid::Grid;
 use crate::geometry::voxelize::inside;
@@ -18,9 +18,7 @@ pub(super) fn tissues(anatomy: &Anatomy, patch_from_world: &Isometry3<f64>, grid
         .collect();
     let is_in = |tissue: usize, cell: usize| masks[tissue].as_ref().is_some_and(|mask| mask[cell] != 0);
     let all = 0..anatomy.tissues.len();
-    let layers = anatomy
-        .shell
-        .map_or(0, |shell| ((shell.thickness_mm / grid.pitch).round() as usize).max(1));
+    let layers = anatomy.shell.map_or(0, |shell| layers(shell.thickness_mm, grid.pitch));
     let shell = anatomy.shell.map(|shell| shell.tissue);
     let mut cells = vec![0; grid.len()];
     let layer = grid.cells[0] * grid.cells[1];

@@ -1,9 +1,11 @@
 //! The block of tissue: `[patch]`, `[[tissue]]`, `[wound]`.
 
+use sutura_controller::lattice::CURVES;
 use sutura_shared::scene::{self, Body, Effect, SEGMENTS_MAX, Segment, TISSUES_MAX};
 use toml::Spanned;
 
-use super::{Keys, metres};
+use super::{Keys, seconds};
+use crate::geometry::{patch, phantom};
 use crate::scene::file::{self, File, Number};
 use crate::scene::plan::{Patch, Tissue, Wound};
 use crate::scene::source::Error;
@@ -25,6 +27,12 @@ impl Keys<'_> {
                 "key patch.site_mm is missing: a point on the skin, in the meshes' frame",
             ));
         }
+        if let (Some(normal), None) = (&patch.normal, &patch.site_mm) {
+            return Err(self.source.fault(
+                normal.span(),
+                "key patch.normal changes nothing without key patch.site_mm; remove it, or add a point on the skin",
+            ));
+        }
         if let Some(normal) = &patch.normal {
             let length = normal.get_ref().iter().map(|n| n * n).sum::<f64>().sqrt();
             if !(0.5..=2.0).contains(&length) {
@@ -42,7 +50,7 @@ impl Keys<'_> {
             damping_per_s: self
                 .source
                 .number("patch.damping_per_s", &patch.damping_per_s, [0.0, 1000.0])? as f32,
-            spring_damping_s: metres(beta),
+            spring_damping_s: seconds(beta),
         })
     }
 
@@ -52,6 +60,9 @@ impl Keys<'_> {
                 extra.span(),
                 format!("{} tissues: at most {TISSUES_MAX}", file.tissue.len()),
             ));
+        }
+        if file.phantom.is_some() {
+            self.phantom(file)?;
         }
         let mut tissues: Vec<Tissue> = Vec::new();
         for entry in &file.tissue {
@@ -91,7 +102,41 @@ impl Keys<'_> {
                 mesh: tissue.mesh.as_ref().map(|mesh| mesh.get_ref().clone()),
             });
         }
-        Ok(tissues)
+        let soft = |entry: &&Spanned<file::Tissue>| *entry.get_ref().body.get_ref() == file::Body::Soft;
+        match file.tissue.iter().filter(soft).nth(CURVES) {
+            Some(extra) if self.effects.has(Effect::Stiffening) => {
+                let name = extra.get_ref().name.get_ref();
+                let what =
+                    format!("tissue {name}: with effect stiffening at most {CURVES} tissues may have body = \"soft\"");
+                Err(self.source.fault(extra.span(), what))
+            }
+            _ => Ok(tissues),
+        }
+    }
+
+    /// The tissues are those of the phantom, all of them: its site and its depth belong to the whole.
+    fn phantom(&self, file: &File) -> Result<(), Error> {
+        let names = || file.tissue.iter().map(|entry| &entry.get_ref().name);
+        let known = phantom::TISSUES.join(", ");
+        if let Some(name) = names().find(|name| !phantom::TISSUES.contains(&name.get_ref().as_str())) {
+            let what = format!(
+                "tissue `{}`: the phantom has no such tissue, it has {known}",
+                name.get_ref()
+            );
+            return Err(self.source.fault(name.span(), what));
+        }
+        match phantom::TISSUES
+            .iter()
+            .find(|tissue| names().all(|name| name.get_ref() != *tissue))
+        {
+            None => Ok(()),
+            Some(tissue) => {
+                let what = format!("[[tissue]] `{tissue}` is missing: the phantom has {known}");
+                Err(self
+                    .source
+                    .fault(file.phantom.as_ref().map_or(0..0, Spanned::span), what))
+            }
+        }
     }
 
     fn body(&self, entry: &Spanned<file::Tissue>, pitch_mm: f64) -> Result<scene::Tissue, Error> {
@@ -125,7 +170,11 @@ impl Keys<'_> {
         let density = tissue.density_kg_m3.as_ref().ok_or_else(|| missing("density_kg_m3"))?;
         let slopes = tissue.slopes_kpa.as_ref().ok_or_else(|| missing("slopes_kpa"))?;
         let sheet = match &tissue.thickness_mm {
-            Some(thickness) => (self.source.number("thickness_mm", thickness, [0.05, 50.0])? / pitch_mm).min(1.0),
+            // E·t of the tissue is that of its cells, however many there are.
+            Some(thickness) => {
+                let thickness_mm = self.source.number("thickness_mm", thickness, [0.05, 50.0])?;
+                thickness_mm / (patch::layers(thickness_mm, pitch_mm) as f64 * pitch_mm)
+            }
             None => 1.0,
         };
         Ok(scene::Tissue {

@@ -12,6 +12,10 @@ use crate::scene::source::Error;
 /// Half the distance of the punctures over the needle's radius, at most: beyond it the needle meets the skin too flat.
 const WIDEST: f64 = 0.95;
 
+/// Shortest link of the controller's thread [mm]: its eyelet has room for one node at a time.
+const LINK_MM: f64 = 2.0;
+/// Fewest links of the controller's thread.
+const LINKS_MIN: f64 = 2.0;
 /// Most links of the controller's thread.
 const LINKS_MAX: f64 = (sutura_controller::thread::NODES_MAX - 1) as f64;
 
@@ -106,17 +110,20 @@ impl Keys<'_> {
 
     pub(super) fn thread(&self, thread: &Spanned<file::Thread>) -> Result<scene::Thread, Error> {
         let thread = thread.get_ref();
-        let link = self.source.number("thread.link_mm", &thread.link_mm, [0.5, 20.0])?;
-        let length = self
-            .source
-            .number("thread.length_mm", &thread.length_mm, [3.0 * link, link * LINKS_MAX])?;
+        let link = self.source.number("thread.link_mm", &thread.link_mm, [LINK_MM, 20.0])?;
+        let length = self.source.number(
+            "thread.length_mm",
+            &thread.length_mm,
+            [LINKS_MIN * link, link * LINKS_MAX],
+        )?;
         let penalty = self.gated(
             "thread.penalty_n_per_m",
             &thread.penalty_n_per_m,
             Effect::ThreadContact,
             [1.0, 1e5],
         )?;
-        let links = (length / link).round();
+        // Whole links, as near as may be to what is asked for.
+        let links = (length / link).round().min((length / LINK_MM + 1e-6).floor());
         Ok(scene::Thread {
             nodes: links as u16 + 1,
             link_m: metres(length / links),
