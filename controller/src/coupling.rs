@@ -15,8 +15,8 @@ pub const TAIL: usize = 0;
 pub const LEFT: usize = 1;
 /// The right puncture.
 pub const RIGHT: usize = 2;
-/// Nodes of one kernel: a ball of four pitches holds 257 lattice points, and a third of it or more is above the skin.
-pub const KERNEL_MAX: usize = 208;
+/// Nodes of one kernel: a ball of 3.5 pitches about a lattice point holds 179 of them.
+pub const KERNEL_MAX: usize = 192;
 
 /// A weighted mean of lattice nodes: the material point that a tool or thread holds.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -15,7 +15,7 @@ pub struct Puncture {
     pub depth: f32,
 }
 
-/// Faults of a run, a set.
+/// Faults of a run, a set: a fault stands until the next scene is loaded.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Faults(pub u32);
 

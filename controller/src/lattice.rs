@@ -29,8 +29,8 @@ pub const CURVES: usize = 3;
 
 /// Nodes a pass may reach past the last spring.
 pub const PASS: u32 = 64;
-/// Array length of the PC's patch: holds 24 × 24 × 12 nodes.
-pub const PC_NODES: usize = Lattice::<0>::guard([24, 24, 12]) as usize;
+/// Array length of the PC's patch: holds any box of 24 × 24 × 12 = 6,912 nodes, at least two layers high and at most 256 wide.
+pub const PC_NODES: usize = 24 * 24 * 12 * 3 / 2 + 256 + 1 + PASS as usize;
 
 /// A vector at every node: x, y and z apart, shape `[3][N]`.
 pub type Field<const N: usize> = [[f32; N]; 3];
@@ -45,8 +45,6 @@ pub struct Lattice<const N: usize> {
     pub pitch: f32,
     /// Node (0, 0, 0) at rest, patch frame [m].
     pub origin: [f32; 3],
-    /// Curves in use.
-    pub curves: u32,
     /// ρa³/8 from each voxel around the node [kg]; zero where there is no node.
     pub mass: [f32; N],
     /// 1 where the node moves, 0 where it is held or absent.

@@ -150,7 +150,9 @@ pub fn limit(params: &Params, state: &mut State, inputs: &Inputs) -> Record {
     let (change, slewed) = shortened(wanted - state.undamped, params.slew);
     let steady = state.undamped + change;
     let damping = damping(params, state.energy, travel);
-    let (sent, saturated) = shortened(steady - travel * (damping / DT), params.max);
+    // Damping takes back what the rendering gave: without a force there is nothing to take, and a step of the encoders is no motion.
+    let (damped, _) = shortened(travel * (damping / DT), length(steady));
+    let (sent, saturated) = shortened(steady - damped, params.max);
     (state.sent, state.undamped) = (sent, shortened(steady, params.max).0);
     Record {
         force: LimitedForce(sent),

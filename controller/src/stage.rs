@@ -14,8 +14,9 @@
 use crate::needle::{self, Passage};
 use sutura_shared::scene::Stage;
 
-/// Tension at which a thread counts as taut [N]: a few times the weight of all the thread there is.
-const TAUT: f32 = 0.02;
+/// Tension at which a thread counts as taut [N], and for how long [ticks]: slack thread tugs for a few ticks.
+const TAUT: f32 = 0.05;
+const LASTING: u32 = 20;
 /// The time a knot takes [ticks].
 const KNOT: u32 = 300;
 
@@ -26,7 +27,7 @@ pub struct Signs<'a> {
     pub needle: &'a needle::State,
     /// Whether the tool can puncture.
     pub pierces: bool,
-    /// Force of the thread on the needle [N]; `None` without a thread.
+    /// The thread's tension [N]; `None` without a thread.
     pub tension: Option<f32>,
     /// The stylus button.
     pub button: bool,
@@ -39,6 +40,8 @@ pub struct State {
     pub stage: Stage,
     /// Ticks since it began.
     pub ticks: u32,
+    /// Ticks that the thread has been taut without a break.
+    pub taut: u32,
 }
 
 impl Default for State {
@@ -46,6 +49,7 @@ impl Default for State {
         Self {
             stage: Stage::Approach,
             ticks: 0,
+            taut: 0,
         }
     }
 }
@@ -53,6 +57,9 @@ impl Default for State {
 /// The stage after this tick.
 #[must_use]
 pub fn next(state: State, signs: &Signs<'_>) -> State {
+    let pulls = signs.tension.is_some_and(|tension| tension >= TAUT);
+    let taut = if pulls { state.taut.saturating_add(1) } else { 0 };
+    let state = State { taut, ..state };
     let stage = follow(state, signs);
     if stage == state.stage {
         State {
@@ -60,11 +67,15 @@ pub fn next(state: State, signs: &Signs<'_>) -> State {
             ..state
         }
     } else {
-        State { stage, ticks: 0 }
+        State {
+            stage,
+            ticks: 0,
+            taut: 0,
+        }
     }
 }
 
-fn follow(State { stage, ticks }: State, signs: &Signs<'_>) -> Stage {
+fn follow(State { stage, ticks, taut }: State, signs: &Signs<'_>) -> Stage {
     let needle::State { left, right, .. } = signs.needle;
     match (stage, left, right) {
         (Stage::Approach, Passage::Touch(_), _) => Stage::Indent,
@@ -76,7 +87,7 @@ fn follow(State { stage, ticks }: State, signs: &Signs<'_>) -> Stage {
         (Stage::Exit, _, Passage::Ahead) => Stage::Drive,
         (Stage::Exit, _, Passage::Passed(_)) if signs.tension.is_none() => Stage::Done,
         (Stage::Exit, _, Passage::Passed(_)) => Stage::PullThrough,
-        (Stage::PullThrough, ..) if signs.tension.is_some_and(|t| t >= TAUT) => Stage::Tension,
+        (Stage::PullThrough, ..) if taut >= LASTING => Stage::Tension,
         (Stage::Tension, ..) if signs.button => Stage::Tie,
         (Stage::Tie, ..) if ticks >= KNOT => Stage::Done,
         _ => stage,
@@ -123,15 +134,15 @@ mod tests {
                 right,
                 before: None,
             };
-            state = next(
-                state,
-                &Signs {
-                    needle: &needle,
-                    pierces: true,
-                    tension: Some(tension),
-                    button,
-                },
-            );
+            let signs = Signs {
+                needle: &needle,
+                pierces: true,
+                tension: Some(tension),
+                button,
+            };
+            for _ in 0..=LASTING {
+                state = next(state, &signs);
+            }
             assert_eq!(state.stage, expected);
         }
         let needle = needle::State {

@@ -7,45 +7,101 @@ use crate::coupling::Kernel;
 use crate::lattice::{Lattice, Tissue, at};
 use crate::math::{Vec3, length};
 
-/// The four column tops around a point and their weights; `None` over the wound, beyond the patch or at its rim.
-fn corners<const N: usize>(lattice: &Lattice<N>, p: Vec3) -> Option<[(usize, f32); 4]> {
+/// Height difference at rest of neighbouring tops from which it is a wall, such as the wound's, and no surface [pitches].
+const WALL: f32 = 1.5;
+
+/// The column to the lower left of a point, and how far between it and the next the point is; `None` beyond the patch.
+fn cell<const N: usize>(lattice: &Lattice<N>, p: Vec3) -> Option<([u32; 2], [f32; 2])> {
     let [ox, oy, _] = lattice.origin;
     let (x, y) = ((p.x - ox) / lattice.pitch, (p.y - oy) / lattice.pitch);
-    if x.is_nan() || y.is_nan() || x < 0.0 || y < 0.0 {
-        return None;
-    }
-    let (i, j) = (x as u32, y as u32);
-    let (fx, fy) = (x - i as f32, y - j as f32);
-    Some([
-        (lattice.top(i, j)?, (1.0 - fx) * (1.0 - fy)),
-        (lattice.top(i + 1, j)?, fx * (1.0 - fy)),
-        (lattice.top(i, j + 1)?, (1.0 - fx) * fy),
-        (lattice.top(i + 1, j + 1)?, fx * fy),
-    ])
+    let inside = x >= 0.0 && y >= 0.0;
+    inside.then(|| ([x as u32, y as u32], [x - (x as u32) as f32, y - (y as u32) as f32]))
 }
 
-/// Height of the surface at (x, y) of `p` [m]; `None` where there is none.
+/// The four column tops around a point and their weights, the wound's floor among them; `None` beyond the patch.
+fn corners<const N: usize>(lattice: &Lattice<N>, p: Vec3) -> Option<[(usize, f32); 4]> {
+    let tops = ground_around(lattice, None, p)?;
+    Some(tops.map(|([(node, _), _], w)| (node, w)))
+}
+
+/// Height of the skin at (x, y) of `p` [m]; `None` at the wound's walls and beyond the patch.
 #[must_use]
 pub fn height<const N: usize>(lattice: &Lattice<N>, tissue: &Tissue<N>, p: Vec3) -> Option<f32> {
     let tops = corners(lattice, p)?;
+    let rest = tops.map(|(node, _)| lattice.rest_place(node).z);
+    let [low, high] = [rest.into_iter().reduce(f32::min)?, rest.into_iter().reduce(f32::max)?];
+    if high - low > WALL * lattice.pitch {
+        return None;
+    }
     Some(tops.iter().map(|(node, w)| w * lattice.place(tissue, *node).z).sum())
 }
 
-/// Height [m] and outward normal of the surface at (x, y) of `p`; `None` where there is none.
+/// The wound as a thread crosses it: columns of its two faces and its rows. Between them the thread's ground goes from rim to rim.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Bridge {
+    /// Columns of the left and the right face.
+    pub columns: [u32; 2],
+    /// First and last row.
+    pub rows: [u32; 2],
+}
+
+/// A column's top as the thread's ground has it: one node, or the two rims on either side of the wound, with weights.
+fn ground<const N: usize>(lattice: &Lattice<N>, bridge: Option<&Bridge>, i: u32, j: u32) -> Option<[(usize, f32); 2]> {
+    if let Some(Bridge { columns: [left, right], rows: [first, last] }) = bridge
+        && (left + 1..*right).contains(&i)
+        && (first..=last).contains(&&j)
+    {
+        let part = (i - left) as f32 / (right - left) as f32;
+        return Some([(lattice.top(*left, j)?, 1.0 - part), (lattice.top(*right, j)?, part)]);
+    }
+    let top = lattice.top(i, j)?;
+    Some([(top, 1.0), (top, 0.0)])
+}
+
+/// The thread's ground around a point: the four columns' tops, each with its weight and its own one or two nodes.
+fn ground_around<const N: usize>(
+    lattice: &Lattice<N>,
+    bridge: Option<&Bridge>,
+    p: Vec3,
+) -> Option<[([(usize, f32); 2], f32); 4]> {
+    let ([i, j], [fx, fy]) = cell(lattice, p)?;
+    Some([
+        (ground(lattice, bridge, i, j)?, (1.0 - fx) * (1.0 - fy)),
+        (ground(lattice, bridge, i + 1, j)?, fx * (1.0 - fy)),
+        (ground(lattice, bridge, i, j + 1)?, (1.0 - fx) * fy),
+        (ground(lattice, bridge, i + 1, j + 1)?, fx * fy),
+    ])
+}
+
+/// Height [m] and outward normal of the thread's ground at (x, y) of `p`; `None` beyond the patch.
 #[must_use]
-pub fn surface<const N: usize>(lattice: &Lattice<N>, tissue: &Tissue<N>, p: Vec3) -> Option<(f32, Vec3)> {
-    let tops = corners(lattice, p)?;
-    let [a, b, c, d] = tops.map(|(node, _)| lattice.place(tissue, node).z);
-    let height = tops.iter().zip([a, b, c, d]).map(|((_, w), z)| w * z).sum();
+pub fn surface<const N: usize>(
+    lattice: &Lattice<N>,
+    tissue: &Tissue<N>,
+    bridge: Option<&Bridge>,
+    p: Vec3,
+) -> Option<(f32, Vec3)> {
+    let tops = ground_around(lattice, bridge, p)?;
+    let heights = tops.map(|(nodes, _)| nodes.map(|(node, w)| w * lattice.place(tissue, node).z).iter().sum::<f32>());
+    let height = tops.iter().zip(heights).map(|((_, w), z)| w * z).sum();
+    let [a, b, c, d] = heights;
     let slope = 0.5 / lattice.pitch;
     let normal = Vec3::new(-slope * (b - a + d - c), -slope * (c - a + d - b), 1.0);
     Some((height, normal / length(normal)))
 }
 
-/// Spreads `force` at `p` over the column tops around it.
-pub fn lifted<const N: usize>(lattice: &Lattice<N>, p: Vec3, force: Vec3, out: &mut crate::lattice::Field<N>) {
-    for (node, w) in corners(lattice, p).into_iter().flatten() {
-        crate::lattice::add(out, node, force * w);
+/// Spreads `force` at `p` over the nodes of the thread's ground.
+pub fn lifted<const N: usize>(
+    lattice: &Lattice<N>,
+    bridge: Option<&Bridge>,
+    p: Vec3,
+    force: Vec3,
+    out: &mut crate::lattice::Field<N>,
+) {
+    for (nodes, share) in ground_around(lattice, bridge, p).into_iter().flatten() {
+        for (node, w) in nodes {
+            crate::lattice::add(out, node, force * (w * share));
+        }
     }
 }
 

@@ -4,7 +4,7 @@
 //! predicted width g of a pair is negative, a spring of the penalty stiffness joins its x motion: f = −k g.
 
 use crate::lattice::{Lattice, Tissue};
-use sutura_shared::scene::{Scene, Wound};
+use sutura_shared::scene::Wound;
 
 /// Pairs of facing nodes.
 pub const PAIRS_MAX: usize = 1024;
@@ -18,7 +18,7 @@ pub struct Faces {
     across: usize,
     /// Width at rest [m].
     rest: f32,
-    /// Contact stiffness of a pair [N/m]; zero without effect `wound-contact`.
+    /// Contact stiffness of a pair [N/m].
     pub penalty: f32,
     /// Columns along x, rows along y and the row of the stitch.
     rims: Rims,
@@ -41,10 +41,16 @@ pub struct Gap {
     pub mean: f32,
 }
 
-/// The faces of a scene's wound, if it has one.
-#[must_use]
-pub fn faces<const N: usize>(scene: &Scene, lattice: &Lattice<N>) -> Option<Faces> {
-    let wound: &Wound = scene.wound.as_ref()?;
+/// More pairs of facing nodes than [`PAIRS_MAX`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct TooManyPairs;
+
+/// The faces of a wound in a lattice.
+///
+/// # Errors
+///
+/// [`TooManyPairs`].
+pub fn faces<const N: usize>(wound: &Wound, lattice: &Lattice<N>) -> Result<Faces, TooManyPairs> {
     let [left, right] = wound.faces.map(u32::from);
     let [first, last] = wound.rows.map(u32::from);
     let exists = |index: usize| lattice.mass.get(index).is_some_and(|m| *m > 0.0);
@@ -53,13 +59,12 @@ pub fn faces<const N: usize>(scene: &Scene, lattice: &Lattice<N>) -> Option<Face
         for j in first..=last {
             let (a, b) = (lattice.index([left, j, k]), lattice.index([right, j, k]));
             if exists(a) && exists(b) {
-                // A wound of more pairs than fit is refused when the scene is built.
-                let _ = pairs.push(a as u16);
+                pairs.push(a as u16).map_err(|_| TooManyPairs)?;
             }
         }
     }
     let row = (-lattice.origin.get(1).copied().unwrap_or(0.0) / lattice.pitch).max(0.0);
-    Some(Faces {
+    Ok(Faces {
         left: pairs,
         across: (right - left) as usize,
         rest: (right - left) as f32 * lattice.pitch,

@@ -191,6 +191,7 @@ mod tests {
             position_m: [0.0; 3],
             simulated_n: [0.0, 0.0, (tick as f32 * 1e-3).powi(2)],
             rendered_n: [0.0, 0.5 * (tick as f32 * 1e-3).powi(2), 0.0],
+            torque_n_m: [0.0; 3],
             thread_n: 0.1,
             gap_m: 0.004,
             gap_mean_m: 0.004,

@@ -8,7 +8,8 @@ use serde::{Deserialize, Serialize};
 pub enum Effect {
     /// The thread's weight.
     Gravity = 1 << 0,
-    /// Stress–strain curves of several segments; without it each tissue keeps its first slope.
+    /// Stress–strain curves of several segments, and diagonals that lock where a voxel loses volume; without it each tissue keeps
+    /// its first slope.
     Stiffening = 1 << 1,
     /// Dashpots along the springs.
     SpringDamping = 1 << 2,

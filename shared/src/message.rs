@@ -208,6 +208,8 @@ pub struct Telemetry {
     pub simulated_n: [f32; 3],
     /// Force on the hand as the device is told, device frame [N].
     pub rendered_n: [f32; 3],
+    /// Constraint torque on the hand about the grasp point, patch frame [N·m]; a three-axis device does not render it.
+    pub torque_n_m: [f32; 3],
     /// Tension of the thread [N].
     pub thread_n: f32,
     /// Width of the wound at the stitch [m]; negative where the rims overlap.
@@ -296,6 +298,7 @@ impl Validate for Telemetry {
         finite(&self.position_m, "telemetry.position_m")?;
         finite(&self.simulated_n, "telemetry.simulated_n")?;
         finite(&self.rendered_n, "telemetry.rendered_n")?;
+        finite(&self.torque_n_m, "telemetry.torque_n_m")?;
         finite(&[self.thread_n], "telemetry.thread_n")?;
         finite(&[self.gap_m, self.gap_mean_m], "telemetry.gap_m")
     }

@@ -16,7 +16,7 @@ pub use hand::{Hand, Motion, STEPS_MAX, Step, Until};
 /// Most tissues in one scene (fixed ones count).
 pub const TISSUES_MAX: usize = 4;
 /// Radius of the tip's kernel over the pitch: from what spreads a tip over more than one node to what a controller's kernel holds.
-pub const KERNEL_PITCHES: [f32; 2] = [1.5, 4.0];
+pub const KERNEL_PITCHES: [f32; 2] = [1.5, 3.5];
 /// Most segments of a stress–strain curve.
 pub const SEGMENTS_MAX: usize = 5;
 
@@ -39,7 +39,7 @@ pub struct Scene {
     pub stitch: Option<Stitch>,
     /// The suture thread; needs effect `thread`.
     pub thread: Option<Thread>,
-    /// The wound's two faces; needs effect `wound-contact`.
+    /// The wound's two faces, where there is a wound; effect `wound-contact` needs one.
     pub wound: Option<Wound>,
     /// From simulated newtons to rendered newtons.
     pub output: Output,
@@ -108,7 +108,7 @@ pub enum Body {
     Soft {
         /// Segments of nominal stress against strain, first from zero strain; slopes do not decrease.
         curve: Vec<Segment, SEGMENTS_MAX>,
-        /// Thickness t over pitch a where the tissue is a sheet thinner than a voxel, else 1: scales stiffness in the plane (0, 1].
+        /// Thickness of a sheet over that of its voxel layers, else 1: scales stiffness in the plane (0, 2].
         sheet: f32,
     },
 }
@@ -153,10 +153,8 @@ pub struct Contact {
 /// The puncture of the two sites.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Stitch {
-    /// Left puncture on the skin, x and y in the patch frame [m].
+    /// Where the thread's tail is held: the left puncture on the skin, x and y in the patch frame [m].
     pub left_m: [f32; 2],
-    /// Right puncture on the skin, x and y in the patch frame [m].
-    pub right_m: [f32; 2],
     /// Puncture force F0 at the left and the right site [N] (Lian & Chen Fig. 8).
     pub f0_n: [f32; 2],
     /// Depth of the needle's track below the right site at which the tip begins to lift the skin [m].
@@ -193,7 +191,7 @@ pub struct Wound {
     pub rows: [u16; 2],
     /// Lowest node layer of the faces along z.
     pub floor: u16,
-    /// Contact stiffness of one pair of nodes [N/m].
+    /// Contact stiffness of one pair of nodes [N/m]; used by effect `wound-contact`.
     pub penalty_n_per_m: f32,
 }
 

@@ -261,7 +261,7 @@ fn curve(scene: &mut Scene) -> &mut heapless::Vec<Segment, SEGMENTS_MAX> {
 fn scenes_name_the_value_that_is_wrong() {
     assert_eq!(field(|it| it.effects.0 |= 1 << 9), "effects");
     assert_eq!(field(|it| it.thread = None), "thread");
-    assert_eq!(field(|it| it.wound = None), "wound");
+    assert_eq!(field(|it| it.wound = None), "effects");
     assert_eq!(field(|it| it.stitch = None), "stitch");
     assert_eq!(field(|it| it.effects.0 &= !(Effect::Thread as u32)), "thread");
     assert_eq!(field(|it| it.tool = Tool::Ball { radius_m: 0.005 }), "effects");

@@ -85,6 +85,7 @@ fn messages_cross_the_wire_without_allocating() {
         position_m: [0.1, 0.2, 0.3],
         simulated_n: [0.4, 0.5, 0.6],
         rendered_n: [0.7, 0.8, 0.9],
+        torque_n_m: [0.0; 3],
         thread_n: 1.0,
         gap_m: 1.1,
         gap_mean_m: 1.2,

@@ -273,6 +273,7 @@ pub(super) fn telemetry(output: &Output) -> Telemetry {
         position_m: <[f32; 3]>::from(output.position).map(&mut finite),
         simulated_n: <[f32; 3]>::from(output.simulated).map(&mut finite),
         rendered_n: <[f32; 3]>::from(output.rendered.get()).map(&mut finite),
+        torque_n_m: <[f32; 3]>::from(output.torque).map(&mut finite),
         thread_n: finite(output.thread),
         gap_m: finite(output.gap),
         gap_mean_m: finite(output.gap_mean),

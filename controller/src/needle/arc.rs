@@ -1,6 +1,7 @@
 //! The needle's arc in its plane xoy (Lian & Chen Fig. 11): centre o, radius R, held at its swage third.
 
 use crate::math::{Pose, Vec3};
+use core::f32::consts::TAU;
 use sutura_shared::scene::Tool;
 
 /// A tool in space. A ball is an arc of no length whose tip is its lowest point.
@@ -98,10 +99,12 @@ impl Arc {
             d.dot(&self.pose.rotation.column(0)),
         );
         // The open part of the circle is split in the middle between what lies before the tip and what lies behind the swage.
-        let open = core::f32::consts::TAU - self.length / self.radius.max(1e-9);
+        let open = TAU - self.length / self.radius.max(1e-9);
         let ahead = self.tip_angle() - angle;
         let ahead = if ahead < -0.5 * open {
-            ahead + core::f32::consts::TAU
+            ahead + TAU
+        } else if ahead > TAU - 0.5 * open {
+            ahead - TAU
         } else {
             ahead
         };
@@ -139,6 +142,19 @@ mod tests {
         assert!((arc.nearest(arc.swage()).from_tip - 0.026).abs() < 1e-6);
         assert!(arc.nearest(arc.tip().0).from_tip.abs() < 1e-6);
         assert!((arc.nearest(arc.pose.position).from_tip - 0.026 * 2.0 / 3.0).abs() < 1e-6);
+    }
+
+    #[test]
+    fn the_ends_of_a_quarter_and_of_three_quarters_of_a_circle_are_told_apart() {
+        for part in [0.25, 0.75] {
+            let radius_m = 0.008;
+            let length_m = part * TAU * radius_m;
+            let arc = Arc::new(Tool::Needle { radius_m, length_m }, Pose::default());
+            for (from_tip, expected) in [(-5e-4, -5e-4), (5e-4, 5e-4), (length_m + 5e-4, length_m + 5e-4)] {
+                let p = arc.at(arc.tip_angle() - from_tip / radius_m).0;
+                assert!((arc.nearest(p).from_tip - expected).abs() < 1e-6);
+            }
+        }
     }
 
     #[test]

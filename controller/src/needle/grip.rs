@@ -55,13 +55,17 @@ pub fn couple<const N: usize>(
 ) -> Holds {
     let before = state.before.unwrap_or(arc.pose);
     let shafts = shafts(state, arc);
+    // The tip cuts until it meets the far side's skin from below.
+    let cuts = [matches!(state.right, Passage::Ahead), false];
     let mut holds = Holds::default();
-    let sites = [&mut state.left, &mut state.right].into_iter().zip(shafts);
-    for ((hold, (site, shaft)), slot) in holds.sites.iter_mut().zip(sites).zip([LEFT, RIGHT]) {
+    let sites = [&mut state.left, &mut state.right]
+        .into_iter()
+        .zip(shafts.into_iter().zip(cuts));
+    for ((hold, (site, rubs)), slot) in holds.sites.iter_mut().zip(sites).zip([LEFT, RIGHT]) {
         *hold = match site {
             Passage::Ahead | Passage::Passed(_) => Hold::default(),
             Passage::Touch(touch) => press(params, touch, arc, &before, tissue),
-            Passage::Hole(hole) => guide(params, hole, (arc, shaft), &before, tissue),
+            Passage::Hole(hole) => guide(params, hole, (arc, rubs), &before, tissue),
         };
         if let Some(point) = site.point() {
             coupling.kernels[slot] = point.kernel;
@@ -102,7 +106,7 @@ fn press<const N: usize>(params: &Params, touch: &Touch, arc: &Arc, before: &Pos
 fn guide<const N: usize>(
     params: &Params,
     hole: &mut Hole,
-    (arc, shaft): (&Arc, f32),
+    (arc, (shaft, cuts)): (&Arc, (f32, bool)),
     before: &Pose,
     tissue: &Tissue<N>,
 ) -> Hold {
@@ -116,7 +120,7 @@ fn guide<const N: usize>(
         (&hole.point, tissue),
     );
     let [per_length, cutting] = params.friction;
-    let advancing = near.from_tip > hole.adhesion;
+    let advancing = cuts && near.from_tip > hole.adhesion;
     let limit = per_length * shaft + if advancing { cutting } else { 0.0 };
     if limit > 0.0 {
         let reach = limit / params.stiffness;

@@ -71,6 +71,36 @@ pub struct Work<const N: usize> {
 }
 
 impl<const N: usize> Work<N> {
+    /// Forgets everything: passes read a guard beyond the last node, which another scene may have filled.
+    pub fn clear(&mut self) {
+        let Self {
+            step,
+            place,
+            residual,
+            solution,
+            search,
+            product,
+            scaled,
+            inverse_diagonal,
+            axial,
+            transverse,
+            contact,
+        } = self;
+        let fields = [
+            step,
+            place,
+            residual,
+            solution,
+            search,
+            product,
+            scaled,
+            inverse_diagonal,
+        ];
+        let arrays = fields.into_iter().chain(axial).flatten().chain(transverse);
+        arrays.for_each(|array| array.fill(0.0));
+        contact.fill(0.0);
+    }
+
     /// Whether the last tick moved the first `n` nodes by finite amounts.
     #[must_use]
     pub fn is_finite(&self, n: usize) -> bool {

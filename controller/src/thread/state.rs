@@ -85,9 +85,12 @@ pub struct State {
     pub run: Run,
 }
 
+/// Length of a laid link over its rest length: links right at the edge of taut would tug as they settle.
+const SLACK: f32 = 0.99;
+
 impl State {
-    /// A thread at rest between `from` (the swage) and `to` (the tail): an arc of links at their rest length that bulges towards
-    /// `bulge` (unit length, across the line between the two); a straight line where the thread is too short for an arc.
+    /// A thread at rest between `from` (the swage) and `to` (the tail): an arc that bulges towards `bulge` (unit length, across the
+    /// line between the two); a straight line where the thread is too short for an arc. Its links are a hair short of taut.
     #[must_use]
     pub fn laid(params: &Params, from: Vec3, to: Vec3, bulge: Vec3) -> Self {
         let links = (params.nodes - 1) as f32;
@@ -96,8 +99,9 @@ impl State {
         if along == Vec3::zeros() {
             along = direction(bulge.cross(&Vec3::new(bulge.y, bulge.z, -bulge.x)), 1e-6);
         }
-        let (turn, step) = match arc(links, span / params.rest) {
-            Some(turn) => (turn, params.rest),
+        let link = params.rest * SLACK;
+        let (turn, step) = match arc(links, span / link) {
+            Some(turn) => (turn, link),
             None => (0.0, span / links),
         };
         let mut state = Self {

@@ -11,8 +11,8 @@ use crate::coupling::{Coupling, RIGHT, TAIL};
 use crate::event::{Fault, Faults};
 use crate::hash::Hasher;
 use crate::lattice::{Field, Lattice, Tissue};
-use crate::math::{Pose, Vec3, finite, length};
-use crate::needle::{self, Arc};
+use crate::math::{Pose, Vec3, finite};
+use crate::needle::{self, Arc, Passage};
 use crate::record::{Output, Sample};
 use crate::safety::{self, Gate};
 use crate::solver::{Solver, Work};
@@ -76,12 +76,16 @@ impl<'m, const N: usize> Controller<'m, N> {
     pub fn load(&mut self, scene: &Scene, cells: &[u8]) -> Result<(), ConfigError> {
         self.running = None;
         let Memory {
-            lattice, tissue, load, ..
+            lattice,
+            tissue,
+            load,
+            work,
         } = &mut *self.memory;
         let material = tissue::assemble(scene, cells, lattice)?;
         for field in [&mut tissue.displacement, &mut tissue.velocity, load] {
             field.iter_mut().for_each(|c| c.fill(0.0));
         }
+        work.clear();
         let params = Params::new(scene, material, lattice, tissue)?;
         self.running = Some((params, State::default()));
         Ok(())
@@ -173,7 +177,12 @@ impl<'m, const N: usize> Controller<'m, N> {
             if let Some(point) = site.point() {
                 hasher.vector(point.rest);
             }
+            if let Passage::Hole(hole) = site {
+                hasher.vector(Vec3::new(hole.from_tip, hole.adhesion, 0.0));
+            }
         }
+        hasher.vector(state.safety.sent);
+        hasher.vector(Vec3::new(state.safety.energy, 0.0, 0.0));
         if let (Some(thread), Some(run)) = (&params.thread, &state.thread) {
             for (place, velocity) in run.live(thread) {
                 hasher.vector(place);
@@ -184,7 +193,7 @@ impl<'m, const N: usize> Controller<'m, N> {
     }
 }
 
-/// Tool pose in the patch frame; a pose that is not finite is a fault, and the tool stays where it was.
+/// Tool pose in the patch frame; a pose that is not finite is a fault, which stands until the next scene, and the tool stays.
 fn sense(params: &Params, state: &mut State, sample: &Sample) -> Pose {
     let numbers = sample.pose.position.iter().chain(sample.pose.rotation.iter());
     let good = numbers.into_iter().all(|x| x.is_finite());
@@ -215,7 +224,7 @@ fn signs<'a>(params: &Params, state: &'a State, sample: &Sample) -> Signs<'a> {
     Signs {
         needle: &state.needle,
         pierces: params.needle.f0.is_some(),
-        tension: params.thread.as_ref().map(|_| length(state.pull.on_needle)),
+        tension: params.thread.as_ref().map(|_| state.pull.tension),
         button: sample.button,
     }
 }

@@ -7,7 +7,7 @@ use crate::math::{Pose, Vec3};
 use crate::needle::{self, Point};
 use crate::safety;
 use crate::solver::{BePcg, Problem};
-use crate::surface;
+use crate::surface::{self, Bridge};
 use crate::thread;
 use crate::tissue;
 use crate::wound::{self, Faces, Gap};
@@ -22,11 +22,19 @@ pub enum ConfigError {
     Thread(thread::ConfigError),
     /// There is no skin where the thread's tail is to be held.
     NoSkinAtSite,
+    /// The wound has more facing nodes than [`wound::PAIRS_MAX`] pairs.
+    Wound,
 }
 
 impl From<tissue::Error> for ConfigError {
     fn from(error: tissue::Error) -> Self {
         Self::Tissue(error)
+    }
+}
+
+impl From<wound::TooManyPairs> for ConfigError {
+    fn from(_: wound::TooManyPairs) -> Self {
+        Self::Wound
     }
 }
 
@@ -45,6 +53,8 @@ pub(super) struct Params {
     pub(super) thread: Option<thread::Params>,
     /// Where the thread's tail is held.
     pub(super) tail: Point,
+    /// The wound as the thread crosses it.
+    pub(super) bridge: Option<Bridge>,
     /// The thread lies on the skin.
     pub(super) lies: bool,
     pub(super) faces: Option<Faces>,
@@ -101,8 +111,15 @@ impl Params {
             needle,
             thread,
             tail,
+            bridge: scene.wound.as_ref().map(|wound| Bridge {
+                columns: wound.faces.map(u32::from),
+                rows: wound.rows.map(u32::from),
+            }),
             lies: scene.effects.has(Effect::ThreadContact),
-            faces: wound::faces(scene, lattice),
+            faces: match &scene.wound {
+                Some(wound) => Some(wound::faces(wound, lattice)?),
+                None => None,
+            },
             meet: scene.effects.has(Effect::WoundContact),
             safety: safety::Params::new(&scene.output, scene.device.profile, scene.effects),
             patch_from_device: Pose::from(scene.device.patch_from_device),

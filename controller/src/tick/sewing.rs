@@ -6,7 +6,7 @@ use crate::coupling::{Coupling, RIGHT, TAIL};
 use crate::lattice::{Field, Lattice, Tissue};
 use crate::math::Vec3;
 use crate::needle::{Arc, Passage};
-use crate::surface;
+use crate::surface::{self, Bridge};
 use crate::thread::{self, Ends, Ground, Pull, Touch};
 use sutura_shared::scene::Stage;
 
@@ -45,7 +45,7 @@ pub(super) fn strain<const N: usize>(
     let skin = Skin {
         lattice,
         tissue,
-        lies: params.lies,
+        bridge: params.bridge.as_ref(),
     };
     let condensed = thread::condense(thread, run, &ends, &skin, work);
     coupling.kernels[TAIL] = params.tail.kernel;
@@ -73,7 +73,7 @@ pub(super) fn relax<const N: usize>(
         load.iter_mut()
             .for_each(|c| c.iter_mut().take(lattice.len()).for_each(|f| *f = 0.0));
         for ((node, _), reaction) in run.live(thread).zip(&work.reaction) {
-            surface::lifted(lattice, node, *reaction, load);
+            surface::lifted(lattice, params.bridge.as_ref(), node, *reaction, load);
         }
     }
     pull
@@ -83,16 +83,12 @@ pub(super) fn relax<const N: usize>(
 struct Skin<'a, const N: usize> {
     lattice: &'a Lattice<N>,
     tissue: &'a Tissue<N>,
-    /// Effect `thread-contact`.
-    lies: bool,
+    bridge: Option<&'a Bridge>,
 }
 
 impl<const N: usize> Ground for Skin<'_, N> {
     fn at(&self, p: Vec3) -> Option<Touch> {
-        if !self.lies {
-            return None;
-        }
-        let (height, normal) = surface::surface(self.lattice, self.tissue, p)?;
+        let (height, normal) = surface::surface(self.lattice, self.tissue, self.bridge, p)?;
         let gap = (p.z - height) * normal.z;
         // A node far below the skin is being led through the tissue, not lying on it.
         (gap > -DEEP * self.lattice.pitch).then_some(Touch { gap, normal })

@@ -64,7 +64,6 @@ pub fn assemble<const N: usize>(scene: &Scene, cells: &[u8], lattice: &mut Latti
     lattice.nodes = [cx + 1, cy + 1, cz + 1];
     lattice.pitch = grid.pitch_m;
     lattice.origin = grid.origin_m;
-    lattice.curves = material.curves.iter().filter(|c| c.young > 0.0).count() as u32;
     let bricks = (0..cz).flat_map(|k| (0..cy).flat_map(move |j| (0..cx).map(move |i| [i, j, k])));
     for (corner, cell) in bricks.zip(cells) {
         let Some(tissue) = usize::from(*cell).checked_sub(1) else {

@@ -56,7 +56,6 @@ impl Drive {
         scene.contact.kernel_m = 1.5 * PITCH;
         scene.stitch = Some(Stitch {
             left_m: [-RADIUS, 0.0],
-            right_m: [RADIUS, 0.0],
             f0_n: F0,
             under_m: 2e-3,
             friction_n_per_m: FRICTION[0],

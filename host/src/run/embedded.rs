@@ -2,6 +2,7 @@
 
 use std::thread::JoinHandle;
 
+use sutura_controller::lattice::PC_NODES;
 use sutura_controller::rig::Rig;
 use sutura_controller::tick::Memory;
 
@@ -19,7 +20,7 @@ const PIECES: usize = 64;
 pub fn start(pace: Pace) -> std::io::Result<(ChannelTransport, JoinHandle<Ran>)> {
     let (ours, theirs) = channel(PIECES);
     let body = move || {
-        let mut memory: Box<Memory<NODES_MAX>> = bytemuck::zeroed_box();
+        let mut memory: Box<Memory<PC_NODES>> = bytemuck::zeroed_box();
         run_controller(theirs, Rig::new(&mut memory), pace)
     };
     let thread = std::thread::Builder::new().name("controller".to_owned()).spawn(body)?;

@@ -167,6 +167,7 @@ mod tests {
             position_m: [0.0; 3],
             simulated_n: [0.6 * force, 0.0, 0.8 * force],
             rendered_n: [0.0, force / 2.0, 0.0],
+            torque_n_m: [0.0; 3],
             thread_n: 0.1 * force,
             gap_m: 0.004 - 0.001 * tick as f32,
             gap_mean_m: 0.004,

@@ -49,17 +49,13 @@ pub fn build(plan: &Plan, nodes_max: usize) -> Result<Built, Error> {
         contact: plan.contact,
         stitch: plan.stitch.map(|stitch| scene::Stitch {
             left_m: [-half, 0.0],
-            right_m: [half, 0.0],
             f0_n: stitch.f0_n,
             under_m: stitch.under_m,
             friction_n_per_m: stitch.friction_n_per_m,
             cutting_n: stitch.cutting_n,
         }),
         thread: plan.thread,
-        wound: plan
-            .wound
-            .filter(|_| plan.effects.has(Effect::WoundContact))
-            .map(|wound| faces(&wound, &patch)),
+        wound: plan.wound.map(|wound| faces(&wound, &patch)),
         output: plan.output,
         device: scene::Device {
             profile: plan.profile,
@@ -257,7 +253,7 @@ fn faces(wound: &plan::Wound, patch: &Patch) -> scene::Wound {
     scene::Wound {
         faces: centred(grid.cells[0], cells(wound.gap_mm)),
         rows: centred(grid.cells[1], cells(wound.length_mm)),
-        floor: cells(-grid.origin.z - wound.depth_mm) as u16,
+        floor: cells(-grid.origin.z).saturating_sub(cells(wound.depth_mm)) as u16,
         penalty_n_per_m: wound.penalty_n_per_m,
     }
 }

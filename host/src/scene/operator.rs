@@ -122,7 +122,7 @@ impl Touch {
 #[must_use]
 pub fn patch_from_device(hand: &Hand) -> Pose {
     let visited = hand.steps.iter().filter_map(|step| match step.motion {
-        Motion::Line { to } | Motion::Steady { to } => Some(to.position_m),
+        Motion::Line { to } | Motion::Steady { to, .. } => Some(to.position_m),
         Motion::Turn { .. } | Motion::Hold => None,
     });
     let (low, high) = visited.fold((hand.start.position_m, hand.start.position_m), |(low, high), at| {
@@ -207,8 +207,13 @@ fn line(from: &Isometry3<f64>, to: &Isometry3<f64>, speed: f64, until: Until) ->
     step(Motion::Line { to: record(to) }, distance(from, to) / speed, until)
 }
 
+/// A path at a constant speed [m/s]; twice its time, for the hand may begin it elsewhere.
 fn steady(from: &Isometry3<f64>, to: &Isometry3<f64>, speed: f64, until: Until) -> Step {
-    step(Motion::Steady { to: record(to) }, distance(from, to) / speed, until)
+    let motion = Motion::Steady {
+        to: record(to),
+        speed_m_per_s: speed as f32,
+    };
+    step(motion, 2.0 * distance(from, to) / speed, until)
 }
 
 fn distance(from: &Isometry3<f64>, to: &Isometry3<f64>) -> f64 {
@@ -359,7 +364,7 @@ mod tests {
         );
         let origin = patch_from_device(&hand).position_m;
         for step in &hand.steps {
-            if let Motion::Line { to } | Motion::Steady { to } = step.motion {
+            if let Motion::Line { to } | Motion::Steady { to, .. } = step.motion {
                 // Premium 1.5: 381 × 267 × 191 mm, x, y up, z to the user.
                 assert!((to.position_m[0] - origin[0]).abs() < 0.19 && (to.position_m[2] - origin[2]).abs() < 0.133);
             }

@@ -43,10 +43,12 @@ pub enum Motion {
         /// End of the path.
         to: Pose,
     },
-    /// The same at constant speed.
+    /// The same at constant speed, from wherever the hand is; it waits at the end for the rest of the step's time.
     Steady {
         /// End of the path.
         to: Pose,
+        /// Speed along it [m/s].
+        speed_m_per_s: f32,
     },
     /// A turn about an axis, as the wrist drives a curved needle, at constant speed.
     Turn {

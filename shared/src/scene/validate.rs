@@ -68,10 +68,10 @@ impl Scene {
             "thread",
             "a thread if and only if effect thread is on",
         )?;
-        require(
-            on(Effect::WoundContact) == self.wound.is_some(),
-            "wound",
-            "a wound if and only if effect wound-contact is on",
+        implies(
+            on(Effect::WoundContact),
+            self.wound.is_some(),
+            "a wound for wound-contact",
         )?;
         implies(
             on(Effect::Puncture),
@@ -125,7 +125,7 @@ impl Validate for Scene {
         require(
             (0.999_99 * least..=1.000_01 * most).contains(&pitches),
             "contact.kernel_m",
-            "1.5 to 4 pitches",
+            "1.5 to 3.5 pitches",
         )?;
         self.stitch.iter().try_for_each(Stitch::validate)?;
         self.thread.iter().try_for_each(Thread::validate)?;
@@ -204,7 +204,7 @@ impl Tissue {
             "tissue.curve.slope_pa",
             "slopes that do not decrease",
         )?;
-        within(*sheet, &(1e-3..=1.0, "1e-3 to 1"), "tissue.sheet")
+        within(*sheet, &(1e-3..=2.0, "1e-3 to 2"), "tissue.sheet")
     }
 }
 
@@ -228,13 +228,6 @@ impl Tool {
 impl Stitch {
     fn validate(&self) -> Result<(), Invalid> {
         all_within(&self.left_m, &PLACE_M, "stitch.left_m")?;
-        all_within(&self.right_m, &PLACE_M, "stitch.right_m")?;
-        let apart = self
-            .left_m
-            .iter()
-            .zip(&self.right_m)
-            .any(|(left, right)| (left - right).abs() > 0.0);
-        require(apart, "stitch.right_m", "a place other than the left one")?;
         all_within(&self.f0_n, &(1e-3..=1e3, "1e-3 to 1e3 N"), "stitch.f0_n")?;
         within(self.under_m, &(0.0..=0.5, "0 to 0.5 m"), "stitch.under_m")?;
         within(
@@ -330,7 +323,15 @@ impl Hand {
 impl Motion {
     fn validate(&self) -> Result<(), Invalid> {
         match self {
-            Self::Line { to } | Self::Steady { to } => to.validate("hand.steps.to"),
+            Self::Line { to } => to.validate("hand.steps.to"),
+            Self::Steady { to, speed_m_per_s } => {
+                within(
+                    *speed_m_per_s,
+                    &(1e-4..=10.0, "1e-4 to 10 m/s"),
+                    "hand.steps.speed_m_per_s",
+                )?;
+                to.validate("hand.steps.to")
+            }
             Self::Turn {
                 centre_m,
                 axis,

@@ -102,6 +102,7 @@ pub(crate) fn telemetry(stage: Stage) -> Telemetry {
         position_m: [0.001, -0.002, 0.003],
         simulated_n: [0.5, -0.25, 0.125],
         rendered_n: [1.5, -1.25, 1.125],
+        torque_n_m: [0.001, -0.002, 0.003],
         thread_n: 0.75,
         gap_m: 0.004,
         gap_mean_m: -0.001,
@@ -166,7 +167,6 @@ pub(crate) fn full_scene() -> Scene {
 fn stitch() -> Stitch {
     Stitch {
         left_m: [-0.006, 0.001],
-        right_m: [0.006, 0.001],
         f0_n: [0.95, 0.9],
         under_m: 0.002,
         friction_n_per_m: 20.0,
@@ -212,7 +212,13 @@ fn hand() -> Hand {
     };
     let steps = [
         step(Motion::Line { to: pose(0.125) }, Until::Elapsed),
-        step(Motion::Steady { to: pose(0.0625) }, Until::Punctured(Site::Left)),
+        step(
+            Motion::Steady {
+                to: pose(0.0625),
+                speed_m_per_s: 0.008,
+            },
+            Until::Punctured(Site::Left),
+        ),
         step(
             Motion::Turn {
                 centre_m: [0.01, 0.02, 0.03],

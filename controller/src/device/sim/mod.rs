@@ -69,7 +69,7 @@ impl State {
     pub fn words(&self) -> impl Iterator<Item = u32> + '_ {
         let (arm, script) = (&self.arm, &self.script);
         let poses = [&script.from, &script.target];
-        [script.step, script.elapsed, script.punctured]
+        [script.step, script.elapsed, script.punctured, script.felt]
             .into_iter()
             .chain(arm.angle.iter().chain(&arm.rate).map(|x| x.to_bits()))
             .chain(

@@ -1,9 +1,12 @@
 //! The script of a simulated hand: one step after the other, each from the pose where the step before it ended.
 
-use crate::math::{Vec3, rotation, sqrt};
+use crate::math::{DT, Vec3, length, rotation, sqrt};
 use crate::record::Output;
 use nalgebra::Vector4;
 use sutura_shared::scene::{Motion, Pose, Step, Until};
+
+/// Time for which a hand must feel a tension before it believes it [ticks].
+const FELT: u32 = 20;
 
 /// Where the script stands.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -14,6 +17,8 @@ pub struct State {
     pub elapsed: u32,
     /// Sites passed so far, a bit each.
     pub punctured: u32,
+    /// Ticks that the thread's tension has been as the step waits for, without a break.
+    pub felt: u32,
     /// Where the step began, patch frame.
     pub from: Pose,
     /// Where the hand should be now, patch frame.
@@ -28,6 +33,7 @@ impl State {
             step: 0,
             elapsed: 0,
             punctured: 0,
+            felt: 0,
             from: start,
             target: start,
         }
@@ -45,23 +51,22 @@ pub fn advance(steps: &[Step], state: &mut State, seen: &Output) {
     if let Some(puncture) = seen.puncture {
         state.punctured |= 1 << puncture.site as u32;
     }
+    if let Some(step) = current(steps, state) {
+        let enough = matches!(step.until, Until::Tension(tension) if seen.thread >= tension);
+        state.felt = if enough { state.felt + 1 } else { 0 };
+    }
     if let Some(step) = current(steps, state)
         && ends(step, state, seen)
     {
         state.step += 1;
         state.elapsed = 0;
+        state.felt = 0;
         state.from = state.target;
     }
     if let Some(step) = current(steps, state) {
         state.elapsed += 1;
-        state.target = along(&step.motion, &state.from, fraction(step, state.elapsed));
+        state.target = along(step, &state.from, state.elapsed);
     }
-}
-
-/// Part of the step's time that has passed, [0, 1].
-fn fraction(step: &Step, elapsed: u32) -> f32 {
-    let ticks = step.ticks.max(1);
-    elapsed.min(ticks) as f32 / ticks as f32
 }
 
 fn ends(step: &Step, state: &State, seen: &Output) -> bool {
@@ -69,17 +74,23 @@ fn ends(step: &Step, state: &State, seen: &Output) -> bool {
         || match step.until {
             Until::Elapsed => false,
             Until::Punctured(site) => state.punctured & (1 << site as u32) != 0,
-            Until::Tension(tension) => seen.thread >= tension,
+            Until::Tension(_) => state.felt >= FELT,
             Until::Stage(stage) => seen.stage >= stage,
         }
 }
 
-/// The pose a fraction `t` of the time into `motion`.
-fn along(motion: &Motion, from: &Pose, t: f32) -> Pose {
-    match motion {
+/// The pose after `elapsed` ticks of `step`.
+fn along(step: &Step, from: &Pose, elapsed: u32) -> Pose {
+    let ticks = step.ticks.max(1);
+    let t = elapsed.min(ticks) as f32 / ticks as f32;
+    match &step.motion {
         // Flash & Hogan 1985: the path of least jerk between two rests.
         Motion::Line { to } => between(from, to, t * t * t * (10.0 + t * (6.0 * t - 15.0))),
-        Motion::Steady { to } => between(from, to, t),
+        Motion::Steady { to, speed_m_per_s } => {
+            let way = length(Vec3::from(to.position_m) - Vec3::from(from.position_m));
+            let gone = speed_m_per_s * DT * elapsed as f32;
+            between(from, to, if gone < way { gone / way } else { 1.0 })
+        }
         Motion::Turn {
             centre_m,
             axis,
@@ -213,7 +224,9 @@ mod tests {
     fn steady_is_steady_and_takes_the_shorter_way_round() {
         let mut to = pose(0.1, 1.0);
         to.quaternion = to.quaternion.map(|x| -x);
-        let states = run(&[step(Motion::Steady { to }, 100, Until::Elapsed)], 100, |_| quiet());
+        // 0.1 m at 1 m/s: 100 ticks.
+        let motion = Motion::Steady { to, speed_m_per_s: 1.0 };
+        let states = run(&[step(motion, 100, Until::Elapsed)], 100, |_| quiet());
         for (i, state) in states.iter().enumerate() {
             let part = (i + 1) as f32 / 100.0;
             assert!((state.target.position_m[0] - 0.1 * part).abs() < 1e-7);
@@ -251,13 +264,22 @@ mod tests {
         ];
         for until in waits {
             let steps = [
-                step(Motion::Steady { to: pose(0.1, 0.0) }, 1000, until),
+                step(
+                    Motion::Steady {
+                        to: pose(0.1, 0.0),
+                        speed_m_per_s: 0.1,
+                    },
+                    1000,
+                    until,
+                ),
                 step(Motion::Hold, 10, Until::Elapsed),
             ];
             let states = run(&steps, 700, |tick| {
                 let mut seen = quiet();
-                if tick == 400 {
+                if (401 - FELT..=400).contains(&tick) {
                     seen.thread = 0.6;
+                }
+                if tick == 400 {
                     seen.stage = Stage::Exit;
                     let puncture = Puncture {
                         site: Site::Right,
