@@ -15,7 +15,7 @@ fn cell<const N: usize>(lattice: &Lattice<N>, p: Vec3) -> Option<([u32; 2], [f32
     let [ox, oy, _] = lattice.origin;
     let (x, y) = ((p.x - ox) / lattice.pitch, (p.y - oy) / lattice.pitch);
     let inside = x >= 0.0 && y >= 0.0;
-    inside.then(|| ([x as u32, y as u32], [x - (x as u32) as f32, y - (y as u32) as f32]))
+    inside.then_some(([x as u32, y as u32], [x - (x as u32) as f32, y - (y as u32) as f32]))
 }
 
 /// The four column tops around a point and their weights, the wound's floor among them; `None` beyond the patch.
@@ -45,9 +45,15 @@ pub struct Bridge {
     pub rows: [u32; 2],
 }
 
+/// Nodes with weights that sum to one; the second may weigh nothing.
+type Pair = [(usize, f32); 2];
+
 /// A column's top as the thread's ground has it: one node, or the two rims on either side of the wound, with weights.
-fn ground<const N: usize>(lattice: &Lattice<N>, bridge: Option<&Bridge>, i: u32, j: u32) -> Option<[(usize, f32); 2]> {
-    if let Some(Bridge { columns: [left, right], rows: [first, last] }) = bridge
+fn ground<const N: usize>(lattice: &Lattice<N>, bridge: Option<&Bridge>, i: u32, j: u32) -> Option<Pair> {
+    if let Some(Bridge {
+        columns: [left, right],
+        rows: [first, last],
+    }) = bridge
         && (left + 1..*right).contains(&i)
         && (first..=last).contains(&&j)
     {
@@ -59,11 +65,7 @@ fn ground<const N: usize>(lattice: &Lattice<N>, bridge: Option<&Bridge>, i: u32,
 }
 
 /// The thread's ground around a point: the four columns' tops, each with its weight and its own one or two nodes.
-fn ground_around<const N: usize>(
-    lattice: &Lattice<N>,
-    bridge: Option<&Bridge>,
-    p: Vec3,
-) -> Option<[([(usize, f32); 2], f32); 4]> {
+fn ground_around<const N: usize>(lattice: &Lattice<N>, bridge: Option<&Bridge>, p: Vec3) -> Option<[(Pair, f32); 4]> {
     let ([i, j], [fx, fy]) = cell(lattice, p)?;
     Some([
         (ground(lattice, bridge, i, j)?, (1.0 - fx) * (1.0 - fy)),
@@ -82,7 +84,12 @@ pub fn surface<const N: usize>(
     p: Vec3,
 ) -> Option<(f32, Vec3)> {
     let tops = ground_around(lattice, bridge, p)?;
-    let heights = tops.map(|(nodes, _)| nodes.map(|(node, w)| w * lattice.place(tissue, node).z).iter().sum::<f32>());
+    let heights = tops.map(|(nodes, _)| {
+        nodes
+            .map(|(node, w)| w * lattice.place(tissue, node).z)
+            .iter()
+            .sum::<f32>()
+    });
     let height = tops.iter().zip(heights).map(|((_, w), z)| w * z).sum();
     let [a, b, c, d] = heights;
     let slope = 0.5 / lattice.pitch;

@@ -276,7 +276,7 @@ mod tests {
             ];
             let states = run(&steps, 700, |tick| {
                 let mut seen = quiet();
-                if (401 - FELT..=400).contains(&tick) {
+                if (401 - FELT as usize..=400).contains(&tick) {
                     seen.thread = 0.6;
                 }
                 if tick == 400 {
