@@ -268,6 +268,7 @@ mod tests {
                 position_m: [0.0; 3],
                 simulated_n: [0.0; 3],
                 rendered_n: [0.0; 3],
+                torque_n_m: [0.0; 3],
                 thread_n: 0.0,
                 gap_m: 0.0,
                 gap_mean_m: 0.0,

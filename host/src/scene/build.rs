@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use nalgebra::{Matrix3x4, Vector4};
-use sutura_shared::scene::{self, Body, Effect, Lattice, Scene, Tool};
+use sutura_shared::scene::{self, Body, Lattice, Scene, Tool};
 
 use super::file::{Mesh as MeshFile, Phantom};
 use super::operator::{self, Operator, Place};

@@ -334,6 +334,6 @@ fn the_words_of_the_state_tell_every_number() {
     arm.actuate(&output(safety::LimitedForce::default()));
     let after: std::vec::Vec<u32> = arm.state().words().collect();
     assert_eq!(before, twin.state().words().collect::<std::vec::Vec<_>>());
-    assert_eq!(before.len(), 3 + 6 + 14);
+    assert_eq!(before.len(), 4 + 6 + 14);
     assert_ne!(before, after);
 }
