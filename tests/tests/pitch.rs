@@ -1,0 +1,63 @@
+//! The lattice's pitch is a dial and not a part of the scene: the skin gives way as deep on a finer lattice, and no voxel turns inside out on the way.
+
+// The lint knows tests, not what they call.
+#![allow(clippy::unwrap_used)]
+
+use sutura_controller::link::Plant as _;
+use sutura_shared::scene::Site;
+use sutura_tests::scenario::{self, PcRig};
+
+/// Ticks between two looks at all voxels.
+const LOOK: u32 = 10;
+/// Longest way to the right puncture [ticks].
+const TICKS: u32 = 10_000;
+
+/// Depths at the left and the right puncture [mm], and tick and number of inverted voxels at each look until then that found any.
+fn indent(scene: &str) -> ([f32; 2], Vec<(u32, usize)>) {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("scene.toml");
+    std::fs::write(&path, scene).unwrap();
+    let built = scenario::built(Some(&path)).unwrap();
+    let mut memory = scenario::memory();
+    let mut rig = PcRig::new(&mut memory);
+    rig.load(&built.scene, &built.cells).unwrap();
+    let mut depths_mm = [f32::NAN; 2];
+    let mut inverted = Vec::new();
+    for tick in 1..=TICKS {
+        let output = rig.tick();
+        if tick % LOOK == 0 {
+            let voxels = scenario::inverted(rig.controller(), &built.cells);
+            inverted.extend((voxels > 0).then_some((tick, voxels)));
+        }
+        let Some(puncture) = output.puncture else { continue };
+        depths_mm[usize::from(puncture.site == Site::Right)] = puncture.depth * 1e3;
+        if puncture.site == Site::Right {
+            break;
+        }
+    }
+    (depths_mm, inverted)
+}
+
+/// A wound of 4 mm is no multiple of 1.5 mm; the nearest is 4.5 mm.
+#[test]
+fn the_depth_at_f0_does_not_depend_on_the_pitch() {
+    let coarse = sutura::scene::BUILT_IN;
+    let fine = coarse
+        .replace("pitch_mm = 2 ", "pitch_mm = 1.5 ")
+        .replace("gap_mm = 4 ", "gap_mm = 4.5 ");
+    let ([coarse, fine], inverted) = {
+        let [(coarse, a), (fine, b)] = [coarse, fine.as_str()].map(indent);
+        ([coarse, fine], [a, b])
+    };
+    println!("depth at F0, left and right: {coarse:.3?} mm at 2 mm, {fine:.3?} mm at 1.5 mm");
+    assert!(
+        inverted.iter().all(Vec::is_empty),
+        "tick and inverted voxels: {inverted:?}"
+    );
+    for (coarse, fine) in coarse.into_iter().zip(fine) {
+        assert!(
+            (fine / coarse - 1.0).abs() < 0.15,
+            "{coarse} mm at 2 mm, {fine} mm at 1.5 mm"
+        );
+    }
+}
