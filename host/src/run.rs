@@ -16,7 +16,7 @@ use sutura_shared::scene::{Effect, Solver, Stage};
 use crate::link::{Counts, Link, LinkError, Pace, Ran};
 use crate::scene::{self, build};
 use crate::voxelize::Springs;
-use log::Log;
+use log::{Change, Log};
 use report::{LinkCount, Report, TickTime, WoundGap};
 
 /// Longest run [ticks].
@@ -48,10 +48,30 @@ pub fn run(request: &Request, interrupted: &AtomicBool, progress: impl FnMut(&Te
         None => "Force on the hand over one stitch".to_owned(),
     };
     files::write(&request.out, &title, &session.log)?;
-    if request.seconds.is_none() {
+    let whole = request.seconds.is_none();
+    if whole {
         stuck(&session.log)?;
     }
-    Ok(report(request, &built, session))
+    let report = report(request, &built, session);
+    if whole && built.scene.thread.is_some() {
+        left_open(&report);
+    }
+    Ok(report)
+}
+
+/// Part of a wound's width above which it counts as open.
+const OPEN: f32 = 0.25;
+
+/// Says where a stitch has not closed its wound.
+fn left_open(report: &Report) {
+    for Change { before, after } in &report.wound_gap_mm.at_stitch {
+        if *after > OPEN * before {
+            tracing::warn!(
+                "the wound is not closed: {after:.2} of {before:.2} mm are left at the stitch; a higher operator.sew.tension_n or a \
+                 wider stitch.bite_mm closes it further"
+            );
+        }
+    }
 }
 
 /// Refuses a run that had all its time and is not done. A fault says more than that, so a run with one is reported.

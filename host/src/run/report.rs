@@ -48,6 +48,12 @@ impl Display for Report {
         for Change { before, after } in &self.wound_gap_mm.at_stitch {
             writeln!(f, "gap at the stitch: {before:.2} mm before, {after:.2} mm after")?;
         }
+        if let Some(Change { before, after }) = &self.wound_gap_mm.mean {
+            writeln!(
+                f,
+                "gap over the wound's length: {before:.2} mm before, {after:.2} mm after"
+            )?;
+        }
         if !self.faults.is_empty() {
             writeln!(f, "faults: {}", self.faults.join(", "))?;
         }
