@@ -4,6 +4,7 @@
 mod block;
 mod curves;
 mod hard;
+mod monolith;
 mod motion;
 mod needle;
 mod patch;

@@ -4,14 +4,19 @@
 //! they differ in all three. Nothing is merged and nothing is taken from the lattice but the numbering of its nodes.
 
 use super::block::{Block, DENSITY, Hold, PITCH};
-use nalgebra::Vector3;
+use nalgebra::{Matrix3, Vector3};
 use sutura_controller::lattice::{Field, at};
 use sutura_shared::scene::Law;
 
 /// A vector in double precision.
 pub(crate) type V = Vector3<f64>;
+/// A block in double precision.
+pub(crate) type M = Matrix3<f64>;
+/// A spring's two ends and its tangent.
+pub(crate) type Tie = ([usize; 2], M);
 
-const DT: f64 = 1e-3;
+/// The period [s].
+pub(crate) const DT: f64 = 1e-3;
 
 struct Spring {
     ends: [usize; 2],
@@ -23,7 +28,7 @@ struct Spring {
 pub(crate) struct Springs {
     springs: Vec<Spring>,
     pub(crate) mass: Vec<f64>,
-    free: Vec<bool>,
+    pub(crate) free: Vec<bool>,
 }
 
 /// Displacement and velocity at the beginning of a backward Euler step, and the mass damping α [1/s].
@@ -41,6 +46,11 @@ pub(crate) fn wide<const N: usize>(field: &Field<N>, n: usize) -> Vec<V> {
 impl Springs {
     /// A full block of one tissue, held where `block` is held.
     pub(crate) fn new(block: &Block, law: Law, young: f64) -> Self {
+        Self::layered(block, law, |_| young)
+    }
+
+    /// A full block held where `block` is held, of Young's modulus `young` [Pa] by layer of voxels, the lowest first.
+    pub(crate) fn layered(block: &Block, law: Law, young: impl Fn(usize) -> f64) -> Self {
         let pitch = f64::from(PITCH);
         let (edge, diagonal) = match law {
             Law::Isotropic => (0.8, 0.3),
@@ -70,7 +80,7 @@ impl Springs {
                     all.springs.push(Spring {
                         ends: [corner(a), corner(b)],
                         rest: V::new(along(0), along(1), along(2)),
-                        stiffness: stiffness * young * pitch,
+                        stiffness: stiffness * young(low / nx / ny) * pitch,
                     });
                 }
             }
@@ -140,54 +150,89 @@ impl Springs {
         residual
     }
 
-    fn clear_held(&self, values: &mut [V]) {
+    /// Zero at every held node.
+    pub(crate) fn clear_held(&self, values: &mut [V]) {
         let held = values.iter_mut().zip(&self.free).filter(|(_, free)| !**free);
         held.for_each(|(value, _)| *value = V::zeros());
     }
 
-    /// The tangent at `u`, its transverse part cut off at zero, times `p`.
-    fn tangent(&self, u: &[V], p: &[V], hold: &Hold, damping: Option<f64>) -> Vec<V> {
-        let inertia = damping.map_or(0.0, |alpha| 1.0 / (DT * DT) + alpha / DT);
-        let mut product: Vec<V> = p.iter().zip(&self.mass).map(|(p, m)| p * (m * inertia)).collect();
-        for s in &self.springs {
+    /// The springs' tangents at `u`, their transverse part cut off at zero.
+    pub(crate) fn tangents(&self, u: &[V]) -> Vec<Tie> {
+        let of = |s: &Spring| {
             let [a, b] = s.ends;
             let d = s.rest + u[b] - u[a];
-            let unit = d.normalize();
             let turn = s.stiffness * (1.0 - s.rest.norm() / d.norm()).max(0.0);
-            let apart = p[b] - p[a];
-            let pull = unit * ((s.stiffness - turn) * unit.dot(&apart)) + apart * turn;
-            product[a] -= pull;
-            product[b] += pull;
-        }
-        let pull = mean(hold, p) * f64::from(hold.stiffness);
-        for (node, w) in &hold.nodes {
-            product[*node] += pull * f64::from(*w);
-        }
-        self.clear_held(&mut product);
-        product
+            (s.ends, tangent(d, s.stiffness, turn))
+        };
+        self.springs.iter().map(of).collect()
     }
 
+    /// Newton's step at `u`.
     fn conjugate_gradients(&self, u: &[V], residual: &[V], hold: &Hold, damping: Option<f64>) -> Vec<V> {
-        let dot = |a: &[V], b: &[V]| -> f64 { a.iter().zip(b).map(|(a, b)| a.dot(b)).sum() };
-        let mut x = vec![V::zeros(); u.len()];
-        let mut r = residual.to_vec();
-        let mut p = r.clone();
-        let mut rr = dot(&r, &r);
-        let enough = rr * 1e-24;
-        for _ in 0..5000 {
-            if rr <= enough {
-                break;
+        let ties = self.tangents(u);
+        let inertia = damping.map_or(0.0, |alpha| 1.0 / (DT * DT) + alpha / DT);
+        let product = |p: &[V]| {
+            let mut product: Vec<V> = p.iter().zip(&self.mass).map(|(p, m)| p * (m * inertia)).collect();
+            add_ties(&ties, p, &mut product);
+            let pull = mean(hold, p) * f64::from(hold.stiffness);
+            for (node, w) in &hold.nodes {
+                product[*node] += pull * f64::from(*w);
             }
-            let q = self.tangent(u, &p, hold, damping);
-            let along = rr / dot(&p, &q);
-            x.iter_mut().zip(&p).for_each(|(x, p)| *x += p * along);
-            r.iter_mut().zip(&q).for_each(|(r, q)| *r -= q * along);
-            let next = dot(&r, &r);
-            p.iter_mut().zip(&r).for_each(|(p, r)| *p = r + *p * (next / rr));
-            rr = next;
-        }
-        x
+            self.clear_held(&mut product);
+            product
+        };
+        conjugate_gradients(residual, &vec![M::identity(); u.len()], 1e-24, product)
     }
+}
+
+/// Tangent of a spring along `d`: `along` in its direction, `turn` across it [N/m].
+pub(crate) fn tangent(d: V, along: f64, turn: f64) -> M {
+    let unit = d.normalize();
+    unit * unit.transpose() * (along - turn) + M::identity() * turn
+}
+
+/// Adds what springs answer the displacements `p` with.
+pub(crate) fn add_ties(ties: &[Tie], p: &[V], product: &mut [V]) {
+    for ([a, b], block) in ties {
+        let pull = block * (p[*b] - p[*a]);
+        product[*a] -= pull;
+        product[*b] += pull;
+    }
+}
+
+/// Inner product of two fields.
+pub(crate) fn dot(a: &[V], b: &[V]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a.dot(b)).sum()
+}
+
+/// The x with A x = `residual`, A by its `product`, preconditioned by the blocks `scale`, until the square of the residual has fallen to
+/// `enough` of what it was.
+pub(crate) fn conjugate_gradients(
+    residual: &[V],
+    scale: &[M],
+    enough: f64,
+    product: impl Fn(&[V]) -> Vec<V>,
+) -> Vec<V> {
+    let scaled = |r: &[V]| -> Vec<V> { r.iter().zip(scale).map(|(r, s)| s * r).collect() };
+    let mut x = vec![V::zeros(); residual.len()];
+    let mut r = residual.to_vec();
+    let mut p = scaled(&r);
+    let mut rz = dot(&r, &p);
+    let enough = rz * enough;
+    for _ in 0..5000 {
+        if rz <= enough {
+            break;
+        }
+        let q = product(&p);
+        let along = rz / dot(&p, &q);
+        x.iter_mut().zip(&p).for_each(|(x, p)| *x += p * along);
+        r.iter_mut().zip(&q).for_each(|(r, q)| *r -= q * along);
+        let z = scaled(&r);
+        let next = dot(&r, &z);
+        p.iter_mut().zip(&z).for_each(|(p, z)| *p = z + *p * (next / rz));
+        rz = next;
+    }
+    x
 }
 
 /// Weighted mean of a field at the hold's nodes.
