@@ -9,7 +9,7 @@
 //! block; [`settle`] substitutes back. The operation count is fixed.
 //!
 //! ```text
-//! condense   predict → {links, elimination, the points' own answer, eyelet}×3 → links, elimination → force and stiffness at the points
+//! condense   predict → {links, elimination, the points' own answer, eyelet}×6 → links, elimination → force and stiffness at the points
 //! settle     back-substitution → velocities → eyelet → Pull
 //! ```
 

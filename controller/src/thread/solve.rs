@@ -13,7 +13,7 @@ use super::state::{NODES_MAX, Place, Run, State};
 use crate::math::{DT, Mat3, Vec3};
 
 /// Newton iterations of the thread alone before it is linearised for the tissue.
-const ITERATIONS: usize = 4;
+const ITERATIONS: usize = 6;
 /// In the first iteration a link this much shorter than at rest, of its length, is taken for taut: a thread becomes taut all
 /// along at once, and would do so link by link otherwise.
 const NEARLY_TAUT: f32 = 0.02;
