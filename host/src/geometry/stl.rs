@@ -202,7 +202,7 @@ pub enum Fault {
 #[derive(Debug, thiserror::Error)]
 pub enum StlError {
     /// The file system refused.
-    #[error("{}: {source}", path.display())]
+    #[error("{}: {source}; the path of an STL file is needed here", path.display())]
     Io {
         /// The file.
         path: PathBuf,

@@ -91,7 +91,7 @@ pub struct Source {
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
     /// The file cannot be read.
-    #[error("{}: {cause}", path.display())]
+    #[error("{}: {cause}; a scene file is needed, and `sutura scene --print-default` prints one to start from", path.display())]
     Read {
         /// The file.
         path: PathBuf,

@@ -159,17 +159,7 @@ mod tests {
     fn quiet() -> Output {
         Output {
             tick: 1,
-            stage: Stage::Approach,
-            faults: crate::record::Faults::default(),
-            simulated: Vec3::zeros(),
-            rendered: crate::safety::LimitedForce::default(),
-            torque: Vec3::zeros(),
-            position: Vec3::zeros(),
-            thread: 0.0,
-            gap: 0.0,
-            gap_mean: 0.0,
-            saturated: false,
-            puncture: None,
+            ..Output::idle()
         }
     }
 

@@ -2,7 +2,7 @@ use super::*;
 use crate::math::length;
 use crate::record::Faults;
 use crate::safety::{self, Gate};
-use sutura_shared::scene::{Motion, Profile, Stage, Until};
+use sutura_shared::scene::{Motion, Profile, Until};
 
 fn pose(position_m: [f32; 3]) -> scene::Pose {
     scene::Pose {
@@ -57,17 +57,8 @@ const OPEN: safety::Params = safety::Params {
 fn output(rendered: safety::LimitedForce) -> Output {
     Output {
         tick: 1,
-        stage: Stage::Approach,
-        faults: Faults::default(),
-        simulated: Vec3::zeros(),
         rendered,
-        torque: Vec3::zeros(),
-        position: Vec3::zeros(),
-        thread: 0.0,
-        gap: 0.0,
-        gap_mean: 0.0,
-        saturated: false,
-        puncture: None,
+        ..Output::idle()
     }
 }
 
