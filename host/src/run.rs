@@ -11,7 +11,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use sutura_controller::record::{Fault, Faults};
 use sutura_shared::message::{Telemetry, ToHost, UploadError};
-use sutura_shared::scene::{Effect, Solver, Stage};
+use sutura_shared::scene::{Effect, Stage};
 
 use crate::link::{Counts, Link, LinkError, Pace, Ran};
 use crate::scene::{self, build};
@@ -160,7 +160,7 @@ fn report(request: &Request, built: &build::Built, session: Session) -> Report {
             .filter(|&effect| built.scene.effects.has(effect))
             .map(Effect::name)
             .collect(),
-        solver: solver_name(built.scene.solver),
+        solver: built.scene.solver.to_string(),
         ticks,
         stages: log.stages(),
         punctures: log.punctures(),
@@ -183,12 +183,6 @@ fn report(request: &Request, built: &build::Built, session: Session) -> Report {
         },
         out: request.out.display().to_string(),
     }
-}
-
-/// The solver as a scene names it.
-fn solver_name(solver: Solver) -> String {
-    let Solver::BePcg { iterations, newton } = solver;
-    format!("be-pcg:{iterations}:{newton}")
 }
 
 /// What to run.

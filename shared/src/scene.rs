@@ -9,9 +9,13 @@ use heapless::Vec;
 use serde::{Deserialize, Serialize};
 
 mod hand;
+mod law;
+mod solver;
 mod validate;
 
 pub use hand::{Hand, Motion, STEPS_MAX, Step, Until};
+pub use law::{Assembly, Law, NoAssembly, NoLaw, POISSON};
+pub use solver::{NoSolver, Solver};
 
 /// Most tissues in one scene (fixed ones count).
 pub const TISSUES_MAX: usize = 4;
@@ -49,18 +53,6 @@ pub struct Scene {
     pub hand: Option<Hand>,
 }
 
-/// How the tissue is advanced by one tick.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub enum Solver {
-    /// Backward Euler: `newton` linearisations, each with `iterations` of preconditioned conjugate gradients.
-    BePcg {
-        /// Conjugate-gradient iterations of one linear solve.
-        iterations: u16,
-        /// Newton steps a tick.
-        newton: u16,
-    },
-}
-
 /// The regular voxel lattice.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Lattice {
@@ -73,21 +65,12 @@ pub struct Lattice {
     pub origin_m: [f32; 3],
     /// Spring constants from Young's modulus.
     pub law: Law,
+    /// What voxels that share an edge give it.
+    pub assembly: Assembly,
     /// Mass damping α of m v̇ = f − α m v [1/s].
     pub damping_per_s: f32,
     /// Time constant β of stiffness-proportional dashpots [s]; used by effect `spring-damping`.
     pub spring_damping_s: f32,
-}
-
-/// From Young's modulus E and voxel edge a to the stiffness of edges k_n and body diagonals k_d.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub enum Law {
-    /// k_n = 0.8 E a, k_d = 0.3 E a: isotropic, Poisson's ratio 1/4, E exact in every direction.
-    Isotropic,
-    /// k_n = √(2/3) E a, k_d = 0.25 E a: E along the axes and G = E/3 exact.
-    Axial,
-    /// k_n = 0.45 E a, k_d = 0.25 E a as printed by Lian & Chen (Eqs 5, 6).
-    Paper,
 }
 
 /// One tissue.

@@ -272,6 +272,14 @@ fn scenes_name_the_value_that_is_wrong() {
         }),
         "solver.iterations"
     );
+    assert_eq!(
+        field(|it| it.solver = Solver::Vbd { sweeps: 8, omega: 2.0 }),
+        "solver.omega"
+    );
+    assert_eq!(
+        field(|it| it.lattice.law = Law::Volume { poisson: 0.5 }),
+        "lattice.law.poisson"
+    );
     assert_eq!(field(|it| it.lattice.cells = [0, 1, 1]), "lattice.cells");
     assert_eq!(field(|it| it.lattice.cells = [u16::MAX; 3]), "lattice.cells");
     assert_eq!(field(|it| it.lattice.pitch_m = 0.0), "lattice.pitch_m");

@@ -13,13 +13,15 @@ pub use material::Material;
 
 use sutura_shared::scene::Law;
 
-/// Stiffness of edges k_n and of body diagonals k_d of one voxel over E·a, no unit.
+/// Stiffness of edges k_n and of body diagonals k_d of one voxel over E·a, and of its volume over E; no unit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stiffness {
     /// All edges along one axis together, over E a.
     pub edge: f32,
     /// One body diagonal, over E a.
     pub diagonal: f32,
+    /// Λ of the volume energy ½ Λ (J − 1)² a³, over E.
+    pub volume: f32,
 }
 
 /// The stiffness a law gives.
@@ -29,15 +31,27 @@ pub const fn stiffness(law: Law) -> Stiffness {
         Law::Isotropic => Stiffness {
             edge: 0.8,
             diagonal: 0.3,
+            volume: 0.0,
         },
         // √(2/3) makes E₁₀₀ = E where k_d gives G = E/3.
         Law::Axial => Stiffness {
             edge: 0.816_496_6,
             diagonal: 0.25,
+            volume: 0.0,
         },
         Law::Paper => Stiffness {
             edge: 0.45,
             diagonal: 0.25,
+            volume: 0.0,
         },
+        // C44 = 4k_d/(3a) = G whatever Λ is, which adds to C11 and C12 alone: C12 = G + Λ = 2Gν/(1 − 2ν) and C11 = C12 + 2G.
+        Law::Volume { poisson } => {
+            let shear = 0.5 / (1.0 + poisson);
+            Stiffness {
+                edge: 2.0 * shear,
+                diagonal: 0.75 * shear,
+                volume: shear * (4.0 * poisson - 1.0) / (1.0 - 2.0 * poisson),
+            }
+        }
     }
 }

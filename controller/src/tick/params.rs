@@ -16,6 +16,8 @@ use sutura_shared::scene::{self, Effect, Scene};
 /// Why a scene cannot run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ConfigError {
+    /// The scene names a solver that this controller has not.
+    Solver,
     /// The lattice.
     Tissue(tissue::Error),
     /// The thread.
@@ -91,7 +93,9 @@ impl Params {
         lattice: &Lattice<N>,
         tissue: &Tissue<N>,
     ) -> Result<Self, ConfigError> {
-        let scene::Solver::BePcg { iterations, newton } = scene.solver;
+        let scene::Solver::BePcg { iterations, newton } = scene.solver else {
+            return Err(ConfigError::Solver);
+        };
         let needle = needle::Params::new(scene);
         let thread = match scene.thread.as_ref().filter(|_| scene.effects.has(Effect::Thread)) {
             Some(thread) => Some(thread::build(thread, scene.contact.coupling_n_per_m, scene.effects)?),

@@ -67,6 +67,7 @@ pub(crate) fn scene(cells: [u16; 3], law: Law, tissues: &[scene::Tissue], effect
             pitch_m: PITCH,
             origin_m: [-0.5 * x, -0.5 * y, -z],
             law,
+            assembly: scene::Assembly::PerVoxel,
             damping_per_s: 0.0,
             spring_damping_s: 0.0,
         },

@@ -56,6 +56,7 @@ impl Springs {
             Law::Isotropic => (0.8, 0.3),
             Law::Axial => (f64::from(2.0 / 3.0_f32).sqrt(), 0.25),
             Law::Paper => (0.45, 0.25),
+            Law::Volume { .. } => unreachable!("these are springs alone"),
         };
         let [nx, ny, nz] = block.lattice.nodes.map(|n| n as usize);
         let n = nx * ny * nz;

@@ -83,6 +83,7 @@ fn scene(radius_m: f32) -> Scene {
             pitch_m: 0.002,
             origin_m: [0.0; 3],
             law: Law::Isotropic,
+            assembly: Assembly::PerVoxel,
             damping_per_s: 50.0,
             spring_damping_s: 0.0,
         },

@@ -41,6 +41,7 @@ pub fn build(plan: &Plan, nodes_max: usize) -> Result<Built, Error> {
             pitch_m: (patch.grid.pitch * 1e-3) as f32,
             origin_m: patch.origin_m().map(|part| part as f32),
             law: plan.patch.law,
+            assembly: plan.patch.assembly,
             damping_per_s: plan.patch.damping_per_s,
             spring_damping_s: plan.patch.spring_damping_s,
         },

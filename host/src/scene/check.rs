@@ -83,20 +83,9 @@ fn effects(source: &Source, names: &[Spanned<String>]) -> Result<Effects, Error>
 }
 
 fn solver(source: &Source, text: &Spanned<String>) -> Result<Solver, Error> {
-    let fault = |what: &str| Err(source.fault(text.span(), format!("solver = \"{}\": {what}", text.get_ref())));
-    let mut parts = text.get_ref().split(':');
-    if parts.next() != Some("be-pcg") {
-        return fault("there is be-pcg[:iterations[:newton]], such as \"be-pcg:10:1\"");
-    }
-    let mut count = |default: u16, most: u16| match parts.next() {
-        None => Some(default),
-        Some(part) => part.parse().ok().filter(|count| (1..=most).contains(count)),
-    };
-    let (iterations, newton) = (count(10, 200), count(1, 8));
-    match (iterations, newton, parts.next()) {
-        (Some(iterations), Some(newton), None) => Ok(Solver::BePcg { iterations, newton }),
-        _ => fault("be-pcg[:iterations[:newton]] takes 1 to 200 iterations and 1 to 8 Newton steps"),
-    }
+    let name = text.get_ref();
+    name.parse()
+        .map_err(|error| source.fault(text.span(), format!("solver = \"{name}\": {error}")))
 }
 
 /// The keys of one file and the effects that say which of them may stand.
@@ -241,7 +230,7 @@ mod tests {
     }
 
     /// What is replaced, by what, where the line is, what the error says.
-    const FAULTS: [(&str, &str, &str, &str); 17] = [
+    const FAULTS: [(&str, &str, &str, &str); 20] = [
         (
             "pitch_mm = 2 ",
             "pitch_mm = 0 ",
@@ -265,7 +254,25 @@ mod tests {
             "law = \"isotropic\"",
             "law = \"hooke\"",
             "law =",
-            "law: unknown variant `hooke`, expected one of `isotropic`",
+            "patch.law = \"hooke\": there are isotropic, axial, paper, volume",
+        ),
+        (
+            "law = \"isotropic\"",
+            "poisson = 0.45\nlaw = \"isotropic\"",
+            "law =",
+            "patch.poisson: Poisson's ratio is free with law volume only",
+        ),
+        (
+            "law = \"isotropic\"",
+            "poisson = 0.5\nlaw = \"volume\"",
+            "law =",
+            "patch.poisson: Poisson's ratio is 0.25 to 0.49",
+        ),
+        (
+            "law = \"isotropic\"",
+            "assembly = \"each\"\nlaw = \"isotropic\"",
+            "law =",
+            "patch.assembly = \"each\": there are per-voxel, every-edge",
         ),
         (
             "gap_mm = 4 ",
@@ -325,13 +332,13 @@ mod tests {
             "be-pcg:10:1\"\n",
             "pd:3\"\n",
             "solver = ",
-            "solver = \"pd:3\": there is be-pcg",
+            "solver = \"pd:3\": there are explicit[:substeps], be-pcg",
         ),
         (
             "be-pcg:10:1\"\n",
             "be-pcg:0\"\n",
             "solver = ",
-            "takes 1 to 200 iterations",
+            "solver.iterations is 1 to 1000",
         ),
         (
             "\"passivity\",",

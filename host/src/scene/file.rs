@@ -6,7 +6,7 @@
 use std::path::PathBuf;
 
 use serde::Deserialize;
-use sutura_shared::scene::{Law, Profile};
+use sutura_shared::scene::Profile;
 use toml::Spanned;
 
 use crate::geometry::units::Units;
@@ -20,7 +20,7 @@ pub type Number = Spanned<f64>;
 pub struct File {
     /// Names of the effects that are on.
     pub effects: Vec<Spanned<String>>,
-    /// `be-pcg[:iterations[:newton]]`.
+    /// As [`sutura_shared::scene::Solver`] is written.
     pub solver: Spanned<String>,
     /// A generated body in place of mesh files.
     pub phantom: Option<Spanned<Phantom>>,
@@ -72,9 +72,12 @@ pub struct Patch {
     pub normal: Option<Spanned<[f64; 3]>>,
     /// Direction of the wound, in the meshes' frame; its part along the skin counts.
     pub along: Spanned<[f64; 3]>,
-    /// Spring constants from Young's modulus.
-    #[serde(with = "LawName")]
-    pub law: Law,
+    /// Name of the law that gives spring constants from Young's modulus.
+    pub law: Spanned<String>,
+    /// Poisson's ratio; law `volume`.
+    pub poisson: Option<Number>,
+    /// What voxels that share an edge give it; without it `per-voxel`.
+    pub assembly: Option<Spanned<String>>,
     /// Mass damping.
     pub damping_per_s: Number,
     /// Time constant of the dashpots; effect `spring-damping`.
@@ -277,15 +280,6 @@ pub struct Touch {
     pub push_mm: Number,
     /// How far sideways, across the wound's direction.
     pub drag_mm: Number,
-}
-
-/// The names of [`Law`] in a file.
-#[derive(Deserialize)]
-#[serde(remote = "Law", rename_all = "kebab-case")]
-enum LawName {
-    Isotropic,
-    Axial,
-    Paper,
 }
 
 /// The names of [`Profile`] in a file.

@@ -1,6 +1,6 @@
 //! A scene that has been checked, before its meshes are read. Lengths that meet geometry stay in millimetres, the rest is SI.
 
-use sutura_shared::scene::{Contact, Effects, Law, Output, Profile, Solver, Thread, Tool};
+use sutura_shared::scene::{Assembly, Contact, Effects, Law, Output, Profile, Solver, Thread, Tool};
 
 use super::file::{Mesh, Phantom};
 use super::operator::Operator;
@@ -53,6 +53,8 @@ pub struct Patch {
     pub along: [f64; 3],
     /// Spring constants from Young's modulus.
     pub law: Law,
+    /// What voxels that share an edge give it.
+    pub assembly: Assembly,
     /// Mass damping [1/s].
     pub damping_per_s: f32,
     /// Time constant of the dashpots [s].

@@ -1,8 +1,8 @@
 //! Ranges of a scene: wide enough for any tissue and tool one can hold in a hand, narrow enough that no coefficient overflows.
 
 use super::{
-    Body, Device, Effect, Hand, KERNEL_PITCHES, Lattice, Motion, Output, Pose, Scene, Solver, Stitch, Thread, Tissue,
-    Tool, Until, Wound,
+    Body, Device, Effect, Hand, KERNEL_PITCHES, Lattice, Motion, Output, Pose, Scene, Stitch, Thread, Tissue, Tool,
+    Until, Wound,
 };
 use crate::check::{Invalid, Validate, finite, require};
 use crate::limits::{CELLS_MAX, THREAD_NODES_MAX};
@@ -136,14 +136,6 @@ impl Validate for Scene {
     }
 }
 
-impl Solver {
-    fn validate(&self) -> Result<(), Invalid> {
-        let Self::BePcg { iterations, newton } = self;
-        require((1..=1000).contains(iterations), "solver.iterations", "1 to 1000")?;
-        require((1..=100).contains(newton), "solver.newton", "1 to 100")
-    }
-}
-
 impl Lattice {
     /// Number of cells.
     #[must_use]
@@ -161,6 +153,7 @@ impl Lattice {
         )?;
         within(self.pitch_m, &(1e-5..=0.1, "1e-5 to 0.1 m"), "lattice.pitch_m")?;
         all_within(&self.origin_m, &PLACE_M, "lattice.origin_m")?;
+        self.law.validate()?;
         within(self.damping_per_s, &RATE, "lattice.damping_per_s")?;
         within(
             self.spring_damping_s,

@@ -130,6 +130,7 @@ pub(crate) fn full_scene() -> Scene {
             pitch_m: 0.002,
             origin_m: [-0.02, -0.015, -0.012],
             law: Law::Isotropic,
+            assembly: Assembly::PerVoxel,
             damping_per_s: 50.0,
             spring_damping_s: 0.001,
         },
@@ -243,13 +244,30 @@ fn hand() -> Hand {
 pub(crate) fn scenes() -> std::vec::Vec<Scene> {
     let full = full_scene();
     let mut all = vec![full.clone()];
-    all.extend([Law::Axial, Law::Paper].map(|law| Scene {
+    all.extend(
+        [Law::Axial, Law::Paper, Law::Volume { poisson: 0.45 }].map(|law| Scene {
+            lattice: Lattice {
+                law,
+                ..full.lattice.clone()
+            },
+            ..full.clone()
+        }),
+    );
+    all.push(Scene {
         lattice: Lattice {
-            law,
+            assembly: Assembly::EveryEdge,
             ..full.lattice.clone()
         },
         ..full.clone()
-    }));
+    });
+    all.extend(
+        [
+            Solver::Explicit { substeps: 5 },
+            Solver::BeChebyshev { iterations: 15 },
+            Solver::Vbd { sweeps: 8, omega: 1.5 },
+        ]
+        .map(|solver| Scene { solver, ..full.clone() }),
+    );
     all.extend(
         [Profile::Premium30, Profile::Touch, Profile::Desktop].map(|profile| Scene {
             device: Device { profile, ..full.device },

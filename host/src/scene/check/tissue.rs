@@ -1,7 +1,7 @@
 //! The block of tissue: `[patch]`, `[[tissue]]`, `[wound]`.
 
 use sutura_controller::lattice::CURVES;
-use sutura_shared::scene::{self, Body, Effect, SEGMENTS_MAX, Segment, TISSUES_MAX};
+use sutura_shared::scene::{self, Assembly, Body, Effect, Law, NoLaw, SEGMENTS_MAX, Segment, TISSUES_MAX};
 use toml::Spanned;
 
 use super::{Keys, seconds};
@@ -46,11 +46,35 @@ impl Keys<'_> {
             site_mm: patch.site_mm.as_ref().map(|site| *site.get_ref()),
             normal: patch.normal.as_ref().map(|normal| *normal.get_ref()),
             along: *patch.along.get_ref(),
-            law: patch.law,
+            law: self.law(patch)?,
+            assembly: self.assembly(patch)?,
             damping_per_s: self
                 .source
                 .number("patch.damping_per_s", &patch.damping_per_s, [0.0, 1000.0])? as f32,
             spring_damping_s: seconds(beta),
+        })
+    }
+
+    fn law(&self, patch: &file::Patch) -> Result<Law, Error> {
+        let name = patch.law.get_ref();
+        let poisson = patch.poisson.as_ref();
+        Law::named(name, poisson.map(|poisson| *poisson.get_ref() as f32)).map_err(|error| match (error, poisson) {
+            (NoLaw::Fixed | NoLaw::Range, Some(poisson)) => {
+                self.source.fault(poisson.span(), format!("patch.poisson: {error}"))
+            }
+            _ => self
+                .source
+                .fault(patch.law.span(), format!("patch.law = \"{name}\": {error}")),
+        })
+    }
+
+    fn assembly(&self, patch: &file::Patch) -> Result<Assembly, Error> {
+        let Some(name) = &patch.assembly else {
+            return Ok(Assembly::default());
+        };
+        name.get_ref().parse().map_err(|error| {
+            self.source
+                .fault(name.span(), format!("patch.assembly = \"{}\": {error}", name.get_ref()))
         })
     }
 
