@@ -51,6 +51,9 @@ pub struct Lattice<const N: usize> {
     pub free: [f32; N],
     /// First-slope stiffness by curve, direction and lower node [N/m].
     pub stiffness: [[[f32; N]; DIRECTIONS]; CURVES],
+    /// Λ of the volume energy ½ Λ (J − 1)² a³ by the voxel's lowest corner [Pa]; zero where there is no voxel, or no such energy.
+    /// J is the determinant of the voxel's mean edges: of its four edges along x, its four along y and its four along z, over a.
+    pub volume: [f32; N],
     /// By column i + nx·j: 1 + index of its highest node, 0 for an empty column.
     pub top: [u32; N],
 }

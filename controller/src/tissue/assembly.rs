@@ -1,12 +1,12 @@
 //! From voxels to masses and springs: each voxel gives ρa³/8 to its eight corners, k_n/4 to its twelve edges
-//! and k_d to its four body diagonals.
+//! and k_d to its four body diagonals. Assembled by [`Assembly::EveryEdge`], an edge has instead the mean of its voxels' k_n.
 //!
 //! Bone, the sides and the bottom of the patch are held. A sheet thinner than a voxel has all but its upright edges
 //! scaled by thickness over pitch: E t of the membrane is what the hand feels.
 
 use crate::lattice::{DIRECTIONS, EDGES, Lattice, STEPS};
 use crate::law::{self, Curve, Material};
-use sutura_shared::scene::{self, Body, Effect, Scene};
+use sutura_shared::scene::{self, Assembly, Body, Effect, Scene};
 
 /// Why a lattice cannot be built.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -75,6 +75,17 @@ pub fn assemble<const N: usize>(scene: &Scene, cells: &[u8], lattice: &mut Latti
         };
         add_voxel(lattice, corner, part);
     }
+    if let Assembly::EveryEdge = grid.assembly {
+        let soft = |cell: u8| {
+            let part = usize::from(cell).checked_sub(1).and_then(|tissue| parts.get(tissue));
+            part.copied().flatten().is_some_and(|part| part.springs.is_some())
+        };
+        make_edges_whole(lattice, |[i, j, k]| {
+            let inside = i < cx && j < cy && k < cz;
+            let cell = || cells.get(((k * cy + j) * cx + i) as usize);
+            inside && cell().is_some_and(|cell| soft(*cell))
+        });
+    }
     hold_boundary(lattice);
     find_tops(lattice);
     Ok(material)
@@ -85,8 +96,23 @@ pub fn assemble<const N: usize>(scene: &Scene, cells: &[u8], lattice: &mut Latti
 struct Part {
     /// ρa³/8 [kg].
     mass: f32,
-    /// Slot and stiffness of one edge in the plane, one upright edge, one diagonal [N/m]; `None` for bone.
-    springs: Option<(usize, [f32; 3])>,
+    /// `None` for bone.
+    springs: Option<Springs>,
+}
+
+/// Springs of one voxel.
+#[derive(Clone, Copy)]
+struct Springs {
+    /// Slot of their curve.
+    slot: usize,
+    /// One edge in the plane [N/m].
+    flat: f32,
+    /// One upright edge [N/m].
+    upright: f32,
+    /// One diagonal [N/m].
+    diagonal: f32,
+    /// Λ [Pa].
+    volume: f32,
 }
 
 fn parts(scene: &Scene, material: &mut Material) -> Result<[Option<Part>; scene::TISSUES_MAX], Error> {
@@ -105,7 +131,13 @@ fn parts(scene: &Scene, material: &mut Material) -> Result<[Option<Part>; scene:
                 *material.curves.get_mut(slot).ok_or(Error::TooManyCurves)? = curve;
                 let ea = curve.young * a;
                 let edge = stiffness.edge * ea / 4.0;
-                Some((slot, [edge * sheet, edge, stiffness.diagonal * ea * sheet]))
+                Some(Springs {
+                    slot,
+                    flat: edge * sheet,
+                    upright: edge,
+                    diagonal: stiffness.diagonal * ea * sheet,
+                    volume: stiffness.volume * curve.young * sheet,
+                })
             }
         };
         *part = Some(Part {
@@ -121,6 +153,7 @@ fn clear<const N: usize>(lattice: &mut Lattice<N>) {
     lattice.mass.fill(0.0);
     lattice.free.fill(0.0);
     lattice.stiffness.iter_mut().flatten().for_each(|k| k.fill(0.0));
+    lattice.volume.fill(0.0);
     lattice.top.fill(0);
 }
 
@@ -134,23 +167,47 @@ fn add_voxel<const N: usize>(lattice: &mut Lattice<N>, [i, j, k]: [u32; 3], part
             *free = if held { 0.0 } else { 1.0 };
         }
     }
-    let Some((slot, [flat, upright, diagonal])) = part.springs else {
+    let Some(springs) = part.springs else {
         return;
     };
+    let lowest = lattice.index([i, j, k]);
+    if let Some(volume) = lattice.volume.get_mut(lowest) {
+        *volume = springs.volume;
+    }
     for (direction, step) in STEPS.iter().enumerate() {
         let stiffness = match direction {
-            2 => upright,
-            0..EDGES => flat,
-            _ => diagonal,
+            2 => springs.upright,
+            0..EDGES => springs.flat,
+            _ => springs.diagonal,
         };
         let ends = if direction < EDGES { 4 } else { 1 };
         for end in 0..ends {
             let [x, y, z] = lower_end(*step, direction, end);
             let index = lattice.index([i + x, j + y, k + z]);
-            let springs = lattice.stiffness.get_mut(slot).and_then(|s| s.get_mut(direction));
-            if let Some(total) = springs.and_then(|s| s.get_mut(index)) {
+            let all = lattice
+                .stiffness
+                .get_mut(springs.slot)
+                .and_then(|s| s.get_mut(direction));
+            if let Some(total) = all.and_then(|s| s.get_mut(index)) {
                 *total += stiffness;
             }
+        }
+    }
+}
+
+/// From k_n/4 of each voxel around an edge to the mean of their k_n; `soft` says of a cell, inside the box or not, whether it has springs.
+fn make_edges_whole<const N: usize>(lattice: &mut Lattice<N>, soft: impl Fn([u32; 3]) -> bool) {
+    let [nx, ny, nz] = lattice.nodes;
+    for direction in 0..EDGES {
+        for (k, j, i) in (0..nz).flat_map(|k| (0..ny).flat_map(move |j| (0..nx).map(move |i| (k, j, i)))) {
+            let around = (0..4).filter(|end| {
+                let [x, y, z] = lower_end([0; 3], direction, *end);
+                soft([i.wrapping_sub(x), j.wrapping_sub(y), k.wrapping_sub(z)])
+            });
+            let share = 4.0 / around.count().max(1) as f32;
+            let index = lattice.index([i, j, k]);
+            let springs = lattice.stiffness.iter_mut().filter_map(|s| s.get_mut(direction));
+            springs.filter_map(|s| s.get_mut(index)).for_each(|k| *k *= share);
         }
     }
 }

@@ -2,7 +2,7 @@
 //! C11 = (k_n + 4k_d/3)/a and C12 = C44 = 4k_d/(3a), whatever its size and whatever stands beside it.
 
 use super::block::{Block, DENSITY, PITCH, apart, linear, scene, stiffening};
-use sutura_shared::scene::{self, Body, Effect, Law, Scene};
+use sutura_shared::scene::{self, Assembly, Body, Effect, Law, Scene};
 
 const YOUNG: f64 = 100e3;
 /// Strain of the central differences.
@@ -113,6 +113,62 @@ fn tissues_side_by_side_add_by_area() {
             }
         }
     }
+}
+
+fn every_edge(scene: Scene) -> Scene {
+    let assembly = Assembly::EveryEdge;
+    let lattice = scene::Lattice {
+        assembly,
+        ..scene.lattice
+    };
+    Scene { lattice, ..scene }
+}
+
+/// n voxels side by side have n + 1 edges, and each is a whole spring: C11 = k_n (1 + 1/n_y)(1 + 1/n_z)/a + 4k_d/(3a). Diagonals are not shared.
+#[test]
+fn whole_edges_make_a_block_too_stiff_by_its_rim() {
+    for (law, edge, diagonal) in LAWS {
+        for cells in [[1, 1, 1], [4, 3, 2], [11, 11, 5]] {
+            let mut block = Block::filled(&every_edge(scene(cells, law, &[linear(YOUNG as f32)], &[])));
+            let [_, y, z] = cells.map(|n| 1.0 + 1.0 / f64::from(n));
+            let expected = [edge * y * z + 4.0 * diagonal / 3.0, 4.0 * diagonal / 3.0].map(|c| c * YOUNG);
+            let [[c11, ..], _, [c44, ..]] = moduli(&mut block);
+            for (measured, expected) in [c11, c44].into_iter().zip(expected) {
+                assert!(
+                    apart(measured, expected) < TOLERANCE,
+                    "{law:?} {cells:?}: {measured} for {expected}"
+                );
+            }
+        }
+    }
+}
+
+/// Two voxels of one face: four edges along x are one tissue's, the two between them the mean of both.
+#[test]
+fn a_whole_edge_between_two_tissues_is_their_mean() {
+    let tissues = [linear(YOUNG as f32), linear(3.0 * YOUNG as f32)];
+    let mut block = Block::new(&every_edge(scene([1, 2, 1], Law::Isotropic, &tissues, &[])), &[1, 2]);
+    let mean = 2.0 * YOUNG;
+    let expected = 3.0 * 0.8 * mean + 4.0 / 3.0 * 0.3 * mean;
+    let measured = modulus(&mut block, [0, 0], [0, 0]);
+    assert!(apart(measured, expected) < TOLERANCE, "{measured} for {expected}");
+}
+
+/// Λ = G(4ν − 1)/(1 − 2ν) of the voxel's own tissue at its lowest corner, nothing elsewhere: 2.76 E at ν = 0.45.
+#[test]
+fn each_voxel_has_its_own_volume_stiffness() {
+    let law = Law::Volume { poisson: 0.45 };
+    let tissues = [linear(YOUNG as f32), linear(3.0 * YOUNG as f32)];
+    let block = Block::new(&scene([2, 2, 1], law, &tissues, &[]), &[1, 2, 0, 1]);
+    let lambda = 0.8 / (2.0 * 1.45) / 0.1;
+    let expected = [1.0, 3.0, 0.0, 0.0, 1.0, 0.0].map(|share| share * lambda * YOUNG);
+    for (measured, expected) in block.lattice.volume.iter().zip(expected) {
+        assert!(
+            (f64::from(*measured) - expected).abs() <= 1e-5 * YOUNG,
+            "{measured} for {expected}"
+        );
+    }
+    assert!(block.lattice.volume.iter().skip(6).all(|volume| *volume <= 0.0));
 }
 
 /// Lian & Chen Eq. 1: the shear force of one voxel's four diagonals.
