@@ -6,4 +6,5 @@ pub mod link;
 pub mod plot;
 pub mod run;
 pub mod scene;
+pub mod study;
 pub mod voxelize;

@@ -1,5 +1,7 @@
 //! The `sutura` program: arguments in, results on stdout, everything else on stderr.
 
+mod cli;
+
 use std::io::{ErrorKind, IsTerminal, Write};
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -29,6 +31,8 @@ enum Command {
     Run(RunArgs),
     /// Fills STL meshes with cubic cells and counts them.
     Voxelize(VoxelizeArgs),
+    /// Moves one node of a block of tissue and measures its reaction, its error and the time of a tick.
+    Poke(cli::poke::PokeArgs),
     /// Shows the built-in scene.
     Scene(SceneArgs),
 }
@@ -99,6 +103,7 @@ fn main() -> ExitCode {
         None => run_scene(cli.run),
         Some(Command::Run(args)) => run_scene(args),
         Some(Command::Voxelize(args)) => count_voxels(&args),
+        Some(Command::Poke(args)) => cli::poke::run(&args),
         Some(Command::Scene(_)) => {
             say(format_args!("{}", scene::BUILT_IN));
             ExitCode::SUCCESS
@@ -116,11 +121,7 @@ fn run_scene(args: RunArgs) -> ExitCode {
         realtime: args.realtime,
         out: args.out,
     };
-    let interrupted = Arc::new(AtomicBool::new(false));
-    let flag = Arc::clone(&interrupted);
-    if let Err(error) = ctrlc::set_handler(move || flag.store(true, Ordering::Relaxed)) {
-        tracing::warn!("Ctrl+C will end the program without cleaning up: {error}");
-    }
+    let interrupted = interrupt();
     let bar = if std::io::stderr().is_terminal() {
         ProgressBar::new_spinner()
     } else {
@@ -153,6 +154,16 @@ fn run_scene(args: RunArgs) -> ExitCode {
         }
         Err(error) => fail(&error, json, error.exit_code()),
     }
+}
+
+/// A flag that Ctrl+C sets.
+fn interrupt() -> Arc<AtomicBool> {
+    let interrupted = Arc::new(AtomicBool::new(false));
+    let flag = Arc::clone(&interrupted);
+    if let Err(error) = ctrlc::set_handler(move || flag.store(true, Ordering::Relaxed)) {
+        tracing::warn!("Ctrl+C will end the program without cleaning up: {error}");
+    }
+    interrupted
 }
 
 fn count_voxels(args: &VoxelizeArgs) -> ExitCode {

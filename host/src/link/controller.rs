@@ -80,7 +80,7 @@ pub fn run_controller(mut transport: impl Transport, plant: impl Plant, pace: Pa
 }
 
 /// CPU time of this thread.
-fn thread_time() -> Duration {
+pub(crate) fn thread_time() -> Duration {
     let now = clock_gettime(ClockId::ThreadCPUTime);
     Duration::new(
         now.tv_sec.unsigned_abs(),

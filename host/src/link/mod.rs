@@ -6,6 +6,7 @@
 mod controller;
 mod transport;
 
+pub(crate) use controller::thread_time;
 pub use controller::{Pace, Ran, run_controller};
 pub use transport::{ChannelTransport, StreamTransport, Transport, channel};
 

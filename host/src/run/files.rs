@@ -50,7 +50,7 @@ fn csv(path: &Path, log: &Log) -> io::Result<()> {
 }
 
 /// Lets `write` fill a file beside `path` and then puts it in `path`'s place.
-fn whole(path: &Path, write: impl FnOnce(&Path) -> Result<(), Error>) -> Result<(), Error> {
+pub(crate) fn whole(path: &Path, write: impl FnOnce(&Path) -> Result<(), Error>) -> Result<(), Error> {
     let fault = |cause| Error::File {
         path: path.to_owned(),
         cause,

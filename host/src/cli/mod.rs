@@ -1,0 +1,3 @@
+//! The commands' flags, one file each.
+
+pub(crate) mod poke;

@@ -1,0 +1,213 @@
+//! The lattice in double precision, computed apart from the controller: what a solver's result is compared with.
+//!
+//! Springs are those that the controller has assembled, each T(ε) = k L₀ (ε + Σ r_m max(0, ε − ε_m) − ½ g max(0, −ε − ε_c)²) with the
+//! curve's breakpoints ε_m, rises r_m, lock ε_c and its gain g; geometry, forces, energies and steps in time are its own.
+
+mod field;
+mod march;
+mod newton;
+mod stability;
+mod tangent;
+
+pub use field::Field;
+pub use march::{March, Moved};
+pub use newton::NoEquilibrium;
+
+use nalgebra::Vector3;
+use sutura_controller::lattice::{DIRECTIONS, EDGES, Lattice, STEPS};
+use sutura_controller::law::{Breaks, Material};
+
+/// A vector in double precision.
+pub type V = Vector3<f64>;
+
+/// Springs, masses and what is held of a block of one tissue.
+#[derive(Clone, Debug)]
+pub struct Model {
+    families: Vec<Family>,
+    mass: Vec<f64>,
+    free: Vec<bool>,
+    damping: f64,
+}
+
+/// All springs of one direction; each belongs to its lower node.
+#[derive(Clone, Debug)]
+struct Family {
+    /// Index distance to the other node.
+    offset: usize,
+    rest: V,
+    length: f64,
+    /// First-slope stiffness by lower node, zero where there is no spring [N/m].
+    stiffness: Vec<f64>,
+    curve: Curve,
+}
+
+/// The form of T/(k L₀) over the strain.
+#[derive(Clone, Debug, Default)]
+struct Curve {
+    /// Strain of each breakpoint and the rise of the slope there.
+    breaks: Vec<[f64; 2]>,
+    /// Compression from which a spring locks, and by how much its slope rises a unit of strain from there.
+    lock: [f64; 2],
+}
+
+/// One spring as it is now.
+#[derive(Clone, Copy, Debug)]
+struct Stretched {
+    /// Unit vector from the lower node.
+    direction: V,
+    /// l [m].
+    length: f64,
+    /// T [N].
+    tension: f64,
+    /// dT/dl [N/m].
+    slope: f64,
+    /// Stored energy [J].
+    energy: f64,
+}
+
+impl Model {
+    /// From the controller's lattice; only its first curve counts, so a block is of one tissue.
+    #[must_use]
+    pub fn new<const N: usize>(lattice: &Lattice<N>, material: &Material) -> Self {
+        let n = lattice.len();
+        let wide = |values: &[f32]| -> Vec<f64> { values.iter().take(n).map(|value| f64::from(*value)).collect() };
+        let [curve, ..] = &material.curves;
+        let [stiffness, ..] = &lattice.stiffness;
+        let family = |direction: usize| {
+            let [x, y, z] = STEPS[direction];
+            let rest = V::new(f64::from(x), f64::from(y), f64::from(z)) * f64::from(lattice.pitch);
+            let breaks = if direction < EDGES {
+                &curve.edge
+            } else {
+                &curve.diagonal
+            };
+            Family {
+                offset: lattice.offsets()[direction],
+                rest,
+                length: rest.norm(),
+                stiffness: wide(&stiffness[direction]),
+                curve: if material.stiffening {
+                    Curve::new(breaks)
+                } else {
+                    Curve::default()
+                },
+            }
+        };
+        Self {
+            families: (0..DIRECTIONS).map(family).collect(),
+            mass: wide(&lattice.mass),
+            free: lattice.free.iter().take(n).map(|free| *free > 0.0).collect(),
+            damping: f64::from(material.mass_damping),
+        }
+    }
+
+    /// Nodes.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.mass.len()
+    }
+
+    /// Whether there is no node.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.mass.is_empty()
+    }
+
+    /// Fills `force` with the elastic force on every node at the displacements `at` [N], and gives the elastic energy [J].
+    pub fn elastic(&self, at: &Field, force: &mut Field) -> f64 {
+        force.clear();
+        let mut energy = 0.0;
+        for family in &self.families {
+            for low in family.springs() {
+                let high = low + family.offset;
+                let spring = family.stretch(low, at.get(high) - at.get(low));
+                let pull = spring.direction * spring.tension;
+                force.add(low, pull);
+                force.add(high, -pull);
+                energy += spring.energy;
+            }
+        }
+        energy
+    }
+
+    /// Elastic force on one node at displacements that `at` gives by node [N].
+    pub fn reaction(&self, node: usize, at: impl Fn(usize) -> V) -> V {
+        let mut force = V::zeros();
+        for family in &self.families {
+            let lows = [Some(node), node.checked_sub(family.offset)];
+            for (low, sign) in lows.into_iter().zip([1.0, -1.0]) {
+                let Some(low) = low.filter(|low| family.stiffness.get(*low).is_some_and(|k| *k > 0.0)) else {
+                    continue;
+                };
+                let spring = family.stretch(low, at(low + family.offset) - at(low));
+                force += spring.direction * (sign * spring.tension);
+            }
+        }
+        force
+    }
+}
+
+impl Family {
+    /// Lower nodes of the springs.
+    fn springs(&self) -> impl Iterator<Item = usize> + '_ {
+        let there = self.stiffness.iter().enumerate().filter(|(_, k)| **k > 0.0);
+        there.map(|(low, _)| low)
+    }
+
+    /// The spring of node `low` where its ends have moved apart by `delta` [m].
+    #[inline]
+    fn stretch(&self, low: usize, delta: V) -> Stretched {
+        let now = self.rest + delta;
+        let length = now.norm();
+        // l − L₀ from l² − L₀², which keeps the digits that the difference of lengths would lose.
+        let longer = delta.dot(&(self.rest * 2.0 + delta)) / (length + self.length);
+        let [tension, slope, energy] = self.curve.follow(longer / self.length);
+        let k = self.stiffness[low];
+        Stretched {
+            direction: now / length,
+            length,
+            tension: k * self.length * tension,
+            slope: k * slope,
+            energy: k * self.length * self.length * energy,
+        }
+    }
+}
+
+impl Curve {
+    fn new(breaks: &Breaks) -> Self {
+        let pairs = breaks.strain.iter().zip(&breaks.rise);
+        let used = pairs.filter(|(_, rise)| **rise > 0.0);
+        let (from, gain) = breaks.lock;
+        Self {
+            breaks: used
+                .map(|(strain, rise)| [f64::from(*strain), f64::from(*rise)])
+                .collect(),
+            lock: [f64::from(from), f64::from(gain)],
+        }
+    }
+
+    /// T/(k L₀), its slope and its integral over the strain.
+    #[inline]
+    fn follow(&self, strain: f64) -> [f64; 3] {
+        let [from, gain] = self.lock;
+        let under = (-strain - from).max(0.0);
+        let mut tension = strain - 0.5 * gain * under * under;
+        let mut slope = 1.0 + gain * under;
+        let mut energy = 0.5 * strain * strain + gain * under * under * under / 6.0;
+        for [at, rise] in &self.breaks {
+            let over = (strain - at).max(0.0);
+            tension += rise * over;
+            slope += if over > 0.0 { *rise } else { 0.0 };
+            energy += 0.5 * rise * over * over;
+        }
+        [tension, slope, energy]
+    }
+
+    /// Slope of the last segment over the first.
+    fn steepest(&self) -> f64 {
+        self.breaks.iter().fold(1.0, |sum, [_, rise]| sum + rise)
+    }
+}
+
+#[cfg(test)]
+mod tests;

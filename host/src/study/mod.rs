@@ -1,0 +1,9 @@
+//! Studies: what a choice of law, pitch and solver costs and gives, measured on plain blocks of tissue.
+//!
+//! They run the controller's own lattice and solvers, beside an independent model in double precision ([`double`]).
+
+pub mod block;
+pub mod double;
+pub mod method;
+pub mod path;
+pub mod poke;
