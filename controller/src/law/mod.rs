@@ -6,9 +6,10 @@
 //! Of a lattice so assembled C11 = (k_n + 4k_d/3)/a and C12 = C44 = 4k_d/(3a).
 
 mod curve;
+mod fit;
 mod material;
 
-pub use curve::{Breaks, Curve};
+pub use curve::{BREAKS, Breaks, Curve};
 pub use material::Material;
 
 use sutura_shared::scene::Law;

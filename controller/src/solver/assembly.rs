@@ -168,10 +168,12 @@ fn follow_curves<const N: usize>(problem: &Problem<'_, N>, direction: usize, low
             springs.slope[l] += k[l];
             springs.stiffness[l] += k[l];
         }
-        for (at, rise) in breaks.strain.iter().zip(&breaks.rise).filter(|(_, rise)| **rise > 0.0) {
+        let used = |(_, rise): &(&f32, &f32)| rise.abs() > 0.0;
+        for (at, rise) in breaks.strain.iter().zip(&breaks.rise).filter(used) {
+            let away = if *at < 0.0 { -1.0 } else { 1.0 };
             for l in 0..BLOCK {
                 let over = springs.strain[l] - at;
-                let steeper = if over > 0.0 { k[l] * rise } else { 0.0 };
+                let steeper = if over * away > 0.0 { k[l] * rise } else { 0.0 };
                 springs.tension[l] += steeper * over;
                 springs.slope[l] += steeper;
             }

@@ -1,7 +1,8 @@
 //! The lattice in double precision, computed apart from the controller: what a solver's result is compared with.
 //!
 //! Springs are those that the controller has assembled, each T(ε) = k L₀ (ε + Σ r_m max(0, ε − ε_m) − ½ g max(0, −ε − ε_c)²) with the
-//! curve's breakpoints ε_m, rises r_m, lock ε_c and its gain g; geometry, forces, energies and steps in time are its own.
+//! curve's breakpoints ε_m, rises r_m, lock ε_c and its gain g, where a breakpoint below zero acts on its other side; geometry, forces,
+//! energies and steps in time are its own.
 
 mod field;
 mod march;
@@ -42,10 +43,12 @@ struct Family {
 }
 
 /// The form of T/(k L₀) over the strain.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 struct Curve {
     /// Strain of each breakpoint and the rise of the slope there.
     breaks: Vec<[f64; 2]>,
+    /// Steepest slope over the first, without the lock.
+    steepest: f64,
     /// Compression from which a spring locks, and by how much its slope rises a unit of strain from there.
     lock: [f64; 2],
 }
@@ -173,15 +176,26 @@ impl Family {
     }
 }
 
+impl Default for Curve {
+    fn default() -> Self {
+        Self {
+            breaks: Vec::new(),
+            steepest: 1.0,
+            lock: [0.0; 2],
+        }
+    }
+}
+
 impl Curve {
     fn new(breaks: &Breaks) -> Self {
         let pairs = breaks.strain.iter().zip(&breaks.rise);
-        let used = pairs.filter(|(_, rise)| **rise > 0.0);
+        let used = pairs.filter(|(_, rise)| rise.abs() > 0.0);
         let (from, gain) = breaks.lock;
         Self {
             breaks: used
                 .map(|(strain, rise)| [f64::from(*strain), f64::from(*rise)])
                 .collect(),
+            steepest: f64::from(breaks.steepest()),
             lock: [f64::from(from), f64::from(gain)],
         }
     }
@@ -195,17 +209,13 @@ impl Curve {
         let mut slope = 1.0 + gain * under;
         let mut energy = 0.5 * strain * strain + gain * under * under * under / 6.0;
         for [at, rise] in &self.breaks {
-            let over = (strain - at).max(0.0);
+            let past = strain - at;
+            let over = if *at < 0.0 { past.min(0.0) } else { past.max(0.0) };
             tension += rise * over;
-            slope += if over > 0.0 { *rise } else { 0.0 };
+            slope += if over.abs() > 0.0 { *rise } else { 0.0 };
             energy += 0.5 * rise * over * over;
         }
         [tension, slope, energy]
-    }
-
-    /// Slope of the last segment over the first.
-    fn steepest(&self) -> f64 {
-        self.breaks.iter().fold(1.0, |sum, [_, rise]| sum + rise)
     }
 }
 

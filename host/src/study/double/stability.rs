@@ -7,13 +7,13 @@ use super::{Field, Model};
 const ITERATIONS: usize = 400;
 
 impl Model {
-    /// Largest angular frequency ω at rest if every spring had the slope of its last segment [rad/s]: the largest eigenvalue ω² of M⁻¹K,
+    /// Largest angular frequency ω at rest if every spring had the steepest slope of its curve [rad/s]: the largest eigenvalue ω² of M⁻¹K,
     /// by power iteration. Symplectic Euler is stable for steps below 2/ω.
     #[must_use]
     pub fn fastest(&self) -> f64 {
         let mut steep = self.clone();
         for family in &mut steep.families {
-            let slope = family.curve.steepest();
+            let slope = family.curve.steepest;
             family.stiffness.iter_mut().for_each(|k| *k *= slope);
             family.curve = super::Curve::default();
         }
