@@ -56,9 +56,17 @@ impl Block {
             return Err(Error::Nodes { nodes: [nx, ny, nz] });
         }
         let scene = scene(spec);
-        let mut lattice = zeroed_box::<Lattice<PC_NODES>>();
         let cells = vec![1; scene.lattice.count()];
-        let material = tissue::assemble(&scene, &cells, &mut lattice).map_err(Error::Assembly)?;
+        Self::of(&scene, &cells)
+    }
+
+    /// Assembles the lattice of a scene: layers, curves of its own.
+    ///
+    /// # Errors
+    /// [`Error::Assembly`].
+    pub fn of(scene: &Scene, cells: &[u8]) -> Result<Self, Error> {
+        let mut lattice = zeroed_box::<Lattice<PC_NODES>>();
+        let material = tissue::assemble(scene, cells, &mut lattice).map_err(Error::Assembly)?;
         Ok(Self { lattice, material })
     }
 
@@ -85,7 +93,8 @@ impl Block {
 }
 
 /// A scene that is a full block of one tissue; what a block has no use for is given the plainest value.
-fn scene(spec: &Spec) -> Scene {
+#[must_use]
+pub fn scene(spec: &Spec) -> Scene {
     let nowhere = Pose {
         position_m: [0.0; 3],
         quaternion: [1.0, 0.0, 0.0, 0.0],

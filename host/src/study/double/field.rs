@@ -75,9 +75,9 @@ impl Field {
             .fold(0.0, |most, value| value.abs().max(most))
     }
 
-    /// Zero wherever `keep` is not.
-    pub(super) fn clear_held(&mut self, keep: &[bool]) {
-        for part in &mut self.parts {
+    /// Zero wherever a component is not `free`.
+    pub(super) fn clear_held(&mut self, free: &[Vec<bool>; 3]) {
+        for (part, keep) in self.parts.iter_mut().zip(free) {
             let held = part.iter_mut().zip(keep).filter(|(_, keep)| !**keep);
             held.for_each(|(value, _)| *value = 0.0);
         }

@@ -3,6 +3,8 @@
 use super::newton::{Inertia, NoEquilibrium};
 use super::{Field, Model, V};
 
+/// Residual of a converged tick, by component [N].
+const CONVERGED: f64 = 1e-11;
 /// The period [s].
 const DT: f64 = 1e-3;
 
@@ -51,7 +53,7 @@ impl<'a> March<'a> {
         let mut at = self.displacement.clone();
         at.blend(1.0, 2.0 * DT, &self.velocity);
         at.blend(1.0, -DT, &self.before);
-        for node in (0..self.model.len()).filter(|node| !self.model.free[*node]) {
+        for node in (0..self.model.len()).filter(|node| !self.model.moves(*node)) {
             at.set(node, self.displacement.get(node));
         }
         at.set(moved.node, moved.place);
@@ -59,7 +61,7 @@ impl<'a> March<'a> {
             rate: scale / (DT * DT),
             toward: &toward,
         };
-        self.model.settle(&mut at, inertia)?;
+        self.model.settle(&mut at, inertia, CONVERGED)?;
         std::mem::swap(&mut self.before, &mut self.velocity);
         self.velocity.clone_from(&at);
         self.velocity.blend(1.0 / DT, -1.0 / DT, &self.displacement);

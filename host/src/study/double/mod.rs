@@ -2,35 +2,41 @@
 //!
 //! Springs are those that the controller has assembled, each T(ε) = k L₀ (ε + Σ r_m max(0, ε − ε_m) − ½ g max(0, −ε − ε_c)²) with the
 //! curve's breakpoints ε_m, rises r_m, lock ε_c and its gain g, where a breakpoint below zero acts on its other side; geometry, forces,
-//! energies and steps in time are its own.
+//! energies and steps in time are its own. Voxels of the law `volume` add their own energy ([`volume`]).
 
 mod field;
+mod linear;
 mod march;
 mod newton;
 mod stability;
 mod tangent;
+mod volume;
 
 pub use field::Field;
 pub use march::{March, Moved};
 pub use newton::NoEquilibrium;
 
 use nalgebra::Vector3;
-use sutura_controller::lattice::{DIRECTIONS, EDGES, Lattice, STEPS};
-use sutura_controller::law::{Breaks, Material};
+use sutura_controller::lattice::{CURVES, DIRECTIONS, EDGES, Lattice, STEPS};
+use sutura_controller::law::{self, Breaks, Material};
+
+use self::volume::Voxels;
 
 /// A vector in double precision.
 pub type V = Vector3<f64>;
 
-/// Springs, masses and what is held of a block of one tissue.
+/// Springs, voxels, masses and what is held.
 #[derive(Clone, Debug)]
 pub struct Model {
     families: Vec<Family>,
+    voxels: Voxels,
     mass: Vec<f64>,
-    free: Vec<bool>,
+    /// Whether a node moves, by component.
+    free: [Vec<bool>; 3],
     damping: f64,
 }
 
-/// All springs of one direction; each belongs to its lower node.
+/// All springs of one direction and one tissue's curve; each belongs to its lower node.
 #[derive(Clone, Debug)]
 struct Family {
     /// Index distance to the other node.
@@ -69,14 +75,15 @@ struct Stretched {
 }
 
 impl Model {
-    /// From the controller's lattice; only its first curve counts, so a block is of one tissue.
+    /// From the controller's lattice.
     #[must_use]
     pub fn new<const N: usize>(lattice: &Lattice<N>, material: &Material) -> Self {
         let n = lattice.len();
         let wide = |values: &[f32]| -> Vec<f64> { values.iter().take(n).map(|value| f64::from(*value)).collect() };
-        let [curve, ..] = &material.curves;
-        let [stiffness, ..] = &lattice.stiffness;
-        let family = |direction: usize| {
+        // Without stiffening every spring is linear, and the first slot holds them all.
+        let slots = if material.stiffening { CURVES } else { 1 };
+        let tissues = material.curves.iter().zip(&lattice.stiffness).take(slots);
+        let family = |(curve, stiffness): (&law::Curve, &[[f32; N]; DIRECTIONS]), direction: usize| {
             let [x, y, z] = STEPS[direction];
             let rest = V::new(f64::from(x), f64::from(y), f64::from(z)) * f64::from(lattice.pitch);
             let breaks = if direction < EDGES {
@@ -97,9 +104,13 @@ impl Model {
             }
         };
         Self {
-            families: (0..DIRECTIONS).map(family).collect(),
+            families: tissues
+                .filter(|(curve, _)| curve.young > 0.0)
+                .flat_map(|tissue| (0..DIRECTIONS).map(move |direction| family(tissue, direction)))
+                .collect(),
+            voxels: Voxels::new(lattice),
             mass: wide(&lattice.mass),
-            free: lattice.free.iter().take(n).map(|free| *free > 0.0).collect(),
+            free: std::array::from_fn(|_| lattice.free.iter().take(n).map(|free| *free > 0.0).collect()),
             damping: f64::from(material.mass_damping),
         }
     }
@@ -116,6 +127,11 @@ impl Model {
         self.mass.is_empty()
     }
 
+    /// Whether a node moves in any direction.
+    fn moves(&self, node: usize) -> bool {
+        self.free.iter().any(|free| free[node])
+    }
+
     /// Fills `force` with the elastic force on every node at the displacements `at` [N], and gives the elastic energy [J].
     pub fn elastic(&self, at: &Field, force: &mut Field) -> f64 {
         force.clear();
@@ -130,7 +146,7 @@ impl Model {
                 energy += spring.energy;
             }
         }
-        energy
+        energy + self.voxels.elastic(at, force)
     }
 
     /// Elastic force on one node at displacements that `at` gives by node [N].
@@ -146,7 +162,7 @@ impl Model {
                 force += spring.direction * (sign * spring.tension);
             }
         }
-        force
+        force + self.voxels.reaction(node, at)
     }
 }
 

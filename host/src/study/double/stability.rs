@@ -32,7 +32,8 @@ impl Model {
         for _ in 0..ITERATIONS {
             tangent.apply(&mode, &mut image);
             for part in &mut image.parts {
-                part.iter_mut().zip(&self.mass).for_each(|(value, mass)| *value /= mass);
+                let nodes = part.iter_mut().zip(&self.mass).filter(|(_, mass)| **mass > 0.0);
+                nodes.for_each(|(value, mass)| *value /= mass);
             }
             let size = image.dot(&image).sqrt();
             square = size / mode.dot(&mode).sqrt();

@@ -5,6 +5,7 @@
 
 use nalgebra::Matrix3;
 
+use super::volume::Swelling;
 use super::{Field, Model};
 
 /// What becomes of compressed springs.
@@ -28,7 +29,8 @@ struct Ties {
 pub(super) struct Tangent<'a> {
     ties: Vec<Ties>,
     diagonal: Vec<f64>,
-    free: &'a [bool],
+    swelling: Swelling<'a>,
+    free: &'a [Vec<bool>; 3],
     /// Inverse of the 3 × 3 block of each node.
     inverse: Vec<Matrix3<f64>>,
 }
@@ -67,8 +69,10 @@ impl<'a> Tangent<'a> {
             }
             ties
         });
+        let ties = ties.collect();
         Self {
-            ties: ties.collect(),
+            ties,
+            swelling: Swelling::new(&model.voxels, at, form, &mut blocks),
             diagonal,
             free: &model.free,
             inverse: blocks
@@ -86,21 +90,21 @@ impl<'a> Tangent<'a> {
             }
         }
         self.ties.iter().for_each(|ties| ties.apply(p, product));
+        self.swelling.apply(p, product);
         product.clear_held(self.free);
     }
 
     fn precondition(&self, r: &Field, z: &mut Field) {
-        for (node, (inverse, free)) in self.inverse.iter().zip(self.free).enumerate() {
-            if *free {
-                z.set(node, inverse * r.get(node));
-            }
+        for (node, inverse) in self.inverse.iter().enumerate() {
+            z.set(node, inverse * r.get(node));
         }
+        z.clear_held(self.free);
     }
 
     /// The x with (D + K) x = `residual`, until no component of what is left is above `enough` [N]; `None` where the operator turns out
     /// not to be positive definite.
     pub(super) fn solve(&self, residual: &Field, enough: f64) -> Option<Field> {
-        let n = self.free.len();
+        let n = self.diagonal.len();
         let [mut x, mut z, mut q] = [(); 3].map(|()| Field::zeros(n));
         let mut r = residual.clone();
         self.precondition(&r, &mut z);
