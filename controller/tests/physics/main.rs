@@ -1,8 +1,10 @@
 //! The tissue, its solver, the wound and the needle against formulas and against springs computed apart in double precision.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test that cannot go on has failed")]
 
+mod bars;
 mod block;
 mod curves;
+mod halfspace;
 mod hard;
 mod monolith;
 mod motion;
@@ -10,4 +12,5 @@ mod needle;
 mod patch;
 mod reference;
 mod statics;
+mod waves;
 mod wound;
