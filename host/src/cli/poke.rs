@@ -52,7 +52,8 @@ pub(crate) struct PokeArgs {
     /// The moved node, counted from 0; without it the middle of the top.
     #[arg(long, value_name = "I,J,K", value_parser = triple::<','>)]
     node: Option<[u32; 3]>,
-    /// explicit[:substeps], be-pcg[:iterations[:newton]], be-chebyshev[:iterations] or vbd[:sweeps[:omega]].
+    /// explicit[:substeps], be-pcg[:iterations[:newton]], be-chebyshev[:iterations], vbd[:sweeps[:omega]], or to compare xpbd[:substeps],
+    /// pd[:iterations].
     #[arg(long, default_value = "be-pcg")]
     solver: Method,
     /// Time in which the path grows to its full size.

@@ -7,21 +7,53 @@ use sutura_controller::lattice::PC_NODES;
 use sutura_controller::solver::{self, BePcg};
 use sutura_shared::scene::{NoSolver, Solver};
 
-/// A solver of the controller.
+use super::block::Block;
+use super::pd::Pd;
+use super::xpbd::Xpbd;
+
+/// A way to advance a block.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Method {
-    /// One that scenes may choose.
+    /// One that scenes may choose too.
     Controller(Solver),
+    /// Extended position-based dynamics, a comparator.
+    Xpbd {
+        /// Substeps a tick.
+        substeps: u16,
+    },
+    /// Projective dynamics, a comparator.
+    Pd {
+        /// Iterations a tick.
+        iterations: u16,
+    },
 }
 
+/// Substeps of `xpbd` where none are named.
+const XPBD_SUBSTEPS: u16 = 20;
+/// Iterations of `pd` where none are named.
+const PD_ITERATIONS: u16 = 4;
+/// Most substeps or iterations of a comparator.
+const MOST: u16 = 1000;
+
+/// A solver with memory of its own or without.
+pub type Boxed = Box<dyn solver::Solver<PC_NODES>>;
+
 impl Method {
-    /// The solver itself; `None` where the controller has no such solver.
+    /// The solver itself for a block as it is held now; `None` where there is none.
     #[must_use]
-    pub fn build(self) -> Option<Box<dyn solver::Solver<PC_NODES>>> {
+    pub fn build(self, block: &Block) -> Option<Boxed> {
         match self {
             Self::Controller(Solver::BePcg { iterations, newton }) => Some(Box::new(BePcg { iterations, newton })),
             Self::Controller(_) => None,
+            Self::Xpbd { substeps } => Some(Box::new(Xpbd { substeps })),
+            Self::Pd { iterations } => Pd::new(block, iterations).map(|pd| Box::new(pd) as Boxed),
         }
+    }
+
+    /// Whether it takes springs alone and no energy of volume.
+    #[must_use]
+    pub const fn is_comparator(self) -> bool {
+        matches!(self, Self::Xpbd { .. } | Self::Pd { .. })
     }
 
     /// The explicit solver with this many substeps.
@@ -35,14 +67,14 @@ impl Method {
     pub const fn explicit_substeps(self) -> Option<u16> {
         match self {
             Self::Controller(Solver::Explicit { substeps }) => Some(substeps),
-            Self::Controller(_) => None,
+            _ => None,
         }
     }
 
     /// Whether it approximates the equation of motion itself and not its backward Euler step.
     #[must_use]
     pub const fn is_substepped(self) -> bool {
-        self.explicit_substeps().is_some()
+        matches!(self, Self::Controller(Solver::Explicit { .. }) | Self::Xpbd { .. })
     }
 }
 
@@ -50,14 +82,67 @@ impl Display for Method {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
         match self {
             Self::Controller(solver) => solver.fmt(f),
+            Self::Xpbd { substeps } => write!(f, "xpbd:{substeps}"),
+            Self::Pd { iterations } => write!(f, "pd:{iterations}"),
         }
     }
 }
 
 impl FromStr for Method {
-    type Err = NoSolver;
+    type Err = NoMethod;
 
-    fn from_str(text: &str) -> Result<Self, NoSolver> {
-        text.parse().map(Self::Controller)
+    fn from_str(text: &str) -> Result<Self, NoMethod> {
+        let (name, number) = text
+            .split_once(':')
+            .map_or((text, None), |(name, number)| (name, Some(number)));
+        let count = |default| match number.map(str::parse) {
+            None => Ok(default),
+            Some(Ok(count @ 1..=MOST)) => Ok(count),
+            Some(_) => Err(NoMethod::Comparator),
+        };
+        match name {
+            "xpbd" => Ok(Self::Xpbd {
+                substeps: count(XPBD_SUBSTEPS)?,
+            }),
+            "pd" => Ok(Self::Pd {
+                iterations: count(PD_ITERATIONS)?,
+            }),
+            _ => Ok(Self::Controller(text.parse()?)),
+        }
+    }
+}
+
+/// Why a text names no method.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum NoMethod {
+    /// Neither a solver of the controller nor a comparator.
+    #[error("{0}; or, to compare, xpbd[:substeps], pd[:iterations]")]
+    Controller(#[from] NoSolver),
+    /// A comparator's number.
+    #[error("xpbd[:substeps] and pd[:iterations] take 1 to {MOST}")]
+    Comparator,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn methods_are_found_by_their_names() {
+        for (text, full) in [
+            ("xpbd", "xpbd:20"),
+            ("xpbd:7", "xpbd:7"),
+            ("pd", "pd:4"),
+            ("pd:9", "pd:9"),
+            ("be-pcg:5", "be-pcg:5:1"),
+            ("explicit", "explicit"),
+        ] {
+            assert_eq!(text.parse::<Method>().unwrap().to_string(), full);
+        }
+        for text in ["xpbd:0", "pd:x", "pd:1:1", "xpbd:1001"] {
+            assert_eq!(text.parse::<Method>(), Err(NoMethod::Comparator), "{text}");
+        }
+        let line = "leapfrog".parse::<Method>().unwrap_err().to_string();
+        assert!(line.contains("be-pcg") && line.contains("xpbd[:substeps]"), "{line}");
     }
 }

@@ -2,8 +2,12 @@
 //!
 //! They run the controller's own lattice and solvers, beside an independent model in double precision ([`double`]).
 
+pub mod band;
 pub mod block;
 pub mod double;
 pub mod method;
 pub mod path;
+pub mod pd;
 pub mod poke;
+pub mod spring;
+pub mod xpbd;

@@ -18,6 +18,7 @@ use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use sutura_controller::math::TICK_HZ;
+use sutura_shared::scene::Law;
 
 use self::drive::Poke;
 use self::errors::Comparison;
@@ -62,9 +63,12 @@ pub struct Request {
 /// # Errors
 /// See [`Error`].
 pub fn run(request: &Request, interrupted: &AtomicBool, mut progress: impl FnMut(u32, u32)) -> Result<Report, Error> {
+    if let (true, Law::Volume { .. }) = (request.method.is_comparator(), request.block.law) {
+        return Err(Error::Volume { method: request.method });
+    }
     let (poke, model) = prepare(request)?;
     let method = stable(request.method, &model)?;
-    let solver = method.build().ok_or(Error::NoSolver { method })?;
+    let solver = method.build(&poke.block).ok_or(Error::NoSolver { method })?;
     let go_on = || match interrupted.load(Ordering::Relaxed) {
         true => Err(Error::Interrupted),
         false => Ok(()),
@@ -193,6 +197,12 @@ pub enum Error {
         substeps: u16,
         /// The smallest stable count.
         least: u16,
+    },
+    /// A comparator and the law `volume`.
+    #[error("{method} takes springs alone: law volume needs one of the controller's own solvers")]
+    Volume {
+        /// What was asked for.
+        method: Method,
     },
     /// The controller has no such solver.
     #[error("there is no solver {method} for this block")]
