@@ -98,7 +98,12 @@ fn main() -> ExitCode {
         .without_time()
         .with_target(false)
         .init();
-    let cli = Cli::parse();
+    let cli = match Cli::try_parse() {
+        Ok(cli) => cli,
+        Err(error) if error.use_stderr() => return misused(&error),
+        // Help and version.
+        Err(text) => text.exit(),
+    };
     match cli.command {
         None => run_scene(cli.run),
         Some(Command::Run(args)) => run_scene(args),
@@ -224,6 +229,19 @@ fn fail(error: &dyn std::error::Error, json: bool, code: u8) -> ExitCode {
     }
     eprintln!("error: {error}");
     ExitCode::from(code)
+}
+
+/// One line for arguments that are wrong: what clap says up to its advice.
+fn misused(error: &clap::Error) -> ExitCode {
+    let text = error.to_string();
+    let lines = text.lines().take_while(|line| !line.is_empty());
+    let line = lines.map(str::trim).collect::<Vec<_>>().join(" ");
+    if std::env::args().any(|argument| argument == "--json") {
+        let what = line.trim_start_matches("error: ");
+        say(format_args!("{}\n", serde_json::json!({ "error": what })));
+    }
+    eprintln!("{line}");
+    ExitCode::from(2)
 }
 
 fn mesh(text: &str) -> Result<(String, PathBuf), String> {

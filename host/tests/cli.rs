@@ -94,6 +94,62 @@ fn a_tissue_that_the_scene_has_not_is_refused() {
     refused(&output, "no tissue `liver`, it has skin, muscle, bone");
 }
 
+#[test]
+fn a_poke_ends_with_json_and_its_files() {
+    let folder = tempfile::tempdir().unwrap();
+    let short = ["poke", "--nodes", "5x4x3", "--run-ms", "7", "--reference", "--json"];
+    let files = ["--positions", "p.csv", "--forces", "f.csv"];
+    let output = sutura(folder.path(), &[&short[..], &files].concat());
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let report: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    // 4·4·3 + 5·3·3 + 5·4·2 edges and four diagonals in each of 4·3·2 voxels.
+    assert_eq!((&report["nodes"], &report["springs"]), (&60.into(), &229.into()));
+    assert_eq!(report["solver"], "be-pcg:10:1");
+    assert_eq!(report["finite"], true);
+    for number in ["force_n", "force_error_rms", "force_error_max", "shape_error"] {
+        assert!(report[number].as_f64().unwrap() > 0.0, "{number}");
+    }
+    for number in ["median", "p99", "max"] {
+        assert!(report["us_per_tick"][number].is_f64(), "{number}");
+    }
+    assert!(report.get("ns_per_spring_substep").is_none());
+    let lines = |name| {
+        std::fs::read_to_string(folder.path().join(name))
+            .unwrap()
+            .lines()
+            .count()
+    };
+    assert_eq!((lines("p.csv"), lines("f.csv")), (61, 8));
+}
+
+#[test]
+fn a_poke_that_cannot_be_is_refused_in_one_line() {
+    let folder = tempfile::tempdir().unwrap();
+    for (arguments, what) in [
+        (&["--nodes", "8x8"][..], "8x8x4"),
+        (&["--nodes", "1x8x4"], "2 or more"),
+        (&["--nodes", "40x40x40"], "24x24x12"),
+        (&["--node", "0,0,0"], "those of layer 0 are held"),
+        (&["--node", "16,0,1"], "16x16x8"),
+        (&["--solver", "leapfrog"], "xpbd[:substeps]"),
+        (&["--solver", "explicit:2"], "explicit:6 is the smallest stable count"),
+        (&["--solver", "pd", "--law", "volume"], "springs alone"),
+        (&["--law", "hooke"], "there are isotropic"),
+        (&["--law", "axial", "--poisson", "0.3"], "Poisson"),
+        (&["--assembly", "each"], "per-voxel, every-edge"),
+        (&["--path", "drag", "--lift-mm", "3"], "--path lift"),
+        (&["--run-ms", "0"], "0 is not in 1..=60000"),
+        (&["--young-kpa", "nan"], "a number from"),
+        (&["--forces", "nowhere/f.csv", "--run-ms", "1"], "nowhere"),
+    ] {
+        let output = sutura(folder.path(), &[&["poke", "--json"], arguments].concat());
+        let line = refused(&output, what);
+        let object: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+        assert_eq!(format!("error: {}\n", object["error"].as_str().unwrap()), line);
+    }
+    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
+}
+
 /// `sutura scene --print-default | head -0`, and the like of it.
 #[test]
 fn a_closed_stdout_is_no_error() {

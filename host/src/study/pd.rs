@@ -6,7 +6,7 @@
 //! energy wherever no spring locks, and every iteration lowers it.
 
 use sutura_controller::coupling::POINTS;
-use sutura_controller::lattice::{Field, Lattice, Tissue};
+use sutura_controller::lattice::{Field, Lattice, PC_NODES, Tissue};
 use sutura_controller::math::{DT, Vec3};
 use sutura_controller::solver::{Problem, Solver, Work, elastic_force};
 
@@ -29,7 +29,7 @@ impl Pd {
     pub fn new(block: &Block, iterations: u16) -> Option<Self> {
         let lattice = &block.lattice;
         let nodes = order(lattice);
-        let mut unknowns = vec![None; lattice.len()];
+        let mut unknowns = vec![None; PC_NODES];
         for (unknown, node) in nodes.iter().enumerate() {
             unknowns[*node] = Some(unknown);
         }
@@ -65,14 +65,15 @@ impl Pd {
 /// Free nodes, the lattice's shortest axis fastest: springs then join unknowns that are close.
 fn order<const N: usize>(lattice: &Lattice<N>) -> Vec<usize> {
     let mut axes = [0, 1, 2];
-    axes.sort_by_key(|axis| std::cmp::Reverse(lattice.nodes[*axis]));
-    let [nx, ny, _] = lattice.nodes.map(|n| n as usize);
-    let mut nodes: Vec<usize> = (0..lattice.len()).filter(|node| lattice.free[*node] > 0.0).collect();
-    nodes.sort_by_key(|node| {
-        let at = [node % nx, node / nx % ny, node / (nx * ny)];
-        axes.map(|axis| at[axis])
-    });
-    nodes
+    axes.sort_by_key(|axis| lattice.nodes[*axis]);
+    let [fast, slow, slowest] = axes.map(|axis| lattice.nodes[axis]);
+    let all = (0..slowest).flat_map(|c| (0..slow).flat_map(move |b| (0..fast).map(move |a| [a, b, c])));
+    let index = |along: [u32; 3]| {
+        let mut at = [0; 3];
+        axes.into_iter().zip(along).for_each(|(axis, along)| at[axis] = along);
+        lattice.index(at)
+    };
+    all.map(index).filter(|node| lattice.free[*node] > 0.0).collect()
 }
 
 /// Both ends and the weight of every spring [N/m].
@@ -82,11 +83,7 @@ fn ties(block: &Block) -> Vec<([usize; 2], f64)> {
     let directions = (0..).zip(lattice.offsets()).zip(stiffness);
     let springs = directions.flat_map(|((direction, offset), stiffness)| {
         let slope = Spring::new(&block.material, direction).steepest();
-        let there = stiffness
-            .iter()
-            .take(lattice.len())
-            .enumerate()
-            .filter(|(_, k)| **k > 0.0);
+        let there = stiffness.iter().enumerate().filter(|(_, k)| **k > 0.0);
         there.map(move |(low, k)| ([low, low + offset], f64::from(k * slope)))
     });
     springs.collect()

@@ -34,6 +34,8 @@ pub const TICKS_MAX: u32 = 60_000;
 pub const DAMPING_PER_S: f64 = 50.0;
 /// Part of the largest stable step above which an explicit run is warned about.
 const NEAR: f64 = 0.9;
+/// By how much springs that are stretched and turned may exceed the fastest vibration at rest.
+const MARGIN: f64 = 1.02;
 
 /// What to poke, and how.
 #[derive(Clone, Debug, PartialEq)]
@@ -156,7 +158,7 @@ fn stable(method: Method, model: &Model) -> Result<Method, Error> {
         return Ok(method);
     };
     // Symplectic Euler: h < 2/ω.
-    let fewest = model.fastest() / (2.0 * f64::from(TICK_HZ));
+    let fewest = MARGIN * model.fastest() / (2.0 * f64::from(TICK_HZ));
     let least = fewest.ceil().max(1.0) as u16;
     match substeps {
         0 => Ok(Method::explicit(least)),

@@ -67,7 +67,7 @@ impl<const N: usize> Solver<N> for Xpbd {
         for _ in 0..self.substeps {
             substep.predict(load, tissue);
             for (direction, stiffness) in directions.iter().zip(stiffness) {
-                let springs = stiffness.iter().take(lattice.len()).enumerate();
+                let springs = stiffness.iter().enumerate();
                 for (low, k) in springs.filter(|(_, k)| **k > 0.0) {
                     substep.project(direction, low, *k, tissue);
                 }
