@@ -31,6 +31,8 @@ enum Command {
     Run(RunArgs),
     /// Fills STL meshes with cubic cells and counts them.
     Voxelize(VoxelizeArgs),
+    /// Measures the moduli of a block of tissue against what was asked for.
+    Moduli(cli::moduli::ModuliArgs),
     /// Moves one node of a block of tissue and measures its reaction, its error and the time of a tick.
     Poke(cli::poke::PokeArgs),
     /// Shows the built-in scene.
@@ -108,6 +110,7 @@ fn main() -> ExitCode {
         None => run_scene(cli.run),
         Some(Command::Run(args)) => run_scene(args),
         Some(Command::Voxelize(args)) => count_voxels(&args),
+        Some(Command::Moduli(args)) => cli::moduli::run(&args),
         Some(Command::Poke(args)) => cli::poke::run(&args),
         Some(Command::Scene(_)) => {
             say(format_args!("{}", scene::BUILT_IN));

@@ -1,4 +1,6 @@
-//! Force over time as a picture: stages as bands, punctures marked (Lian & Chen Fig. 19).
+//! Force over time as a picture: stages as bands, punctures marked (Lian & Chen Fig. 19); and [`curve`].
+
+pub mod curve;
 
 use std::path::Path;
 use std::sync::OnceLock;

@@ -192,3 +192,51 @@ fn an_interrupted_run_leaves_no_file() {
     assert_eq!(child.wait().unwrap().code(), Some(130));
     assert_eq!(std::fs::read_dir(out).unwrap().count(), 0);
 }
+
+#[test]
+fn moduli_are_one_json_object() {
+    let folder = tempfile::tempdir().unwrap();
+    let output = sutura(
+        folder.path(),
+        &[
+            "moduli",
+            "--block",
+            "2x2x2",
+            "--law",
+            "volume",
+            "--poisson",
+            "0.45",
+            "--json",
+        ],
+    );
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let report: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(report["asked"]["young_kpa"], 100.0);
+    for (measured, expected) in [
+        (&report["measured"]["young_kpa"]["x"], 100.0),
+        (&report["measured"]["young_kpa"]["z"], 100.0),
+        (&report["measured"]["poisson"], 0.45),
+        (&report["measured"]["shear_kpa"], 100.0 / 2.9),
+    ] {
+        assert!((measured.as_f64().unwrap() / expected - 1.0).abs() < 1e-3, "{report}");
+    }
+    assert!(report["explicit_dt_max_us"].as_f64().unwrap() > 0.0);
+    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
+}
+
+#[test]
+fn bad_flags_are_one_line() {
+    let folder = tempfile::tempdir().unwrap();
+    for (arguments, what) in [
+        (&["moduli", "--law", "axial", "--poisson", "0.3"][..], "law volume only"),
+        (
+            &["moduli", "--segments", "0:100"],
+            "--segments changes nothing without --curve",
+        ),
+        (&["moduli", "--block", "12"], "three counts are needed, such as 8x8x4"),
+        (&["moduli", "--pitch-mm", "0"], "a number from 0.01 to 100 is needed"),
+        (&["voxelize", "a.stl"], "--pitch-mm <P>"),
+    ] {
+        refused(&sutura(folder.path(), arguments), what);
+    }
+}

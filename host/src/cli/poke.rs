@@ -2,7 +2,6 @@
 
 use std::path::PathBuf;
 use std::process::ExitCode;
-use std::str::FromStr;
 
 use clap::{Args, ValueEnum};
 use indicatif::{ProgressBar, ProgressStyle};
@@ -10,7 +9,9 @@ use sutura::study::block::Spec;
 use sutura::study::method::Method;
 use sutura::study::path::{Course, Path};
 use sutura::study::poke::{self, Request};
-use sutura_shared::scene::{Assembly, Law};
+use sutura_shared::scene::Assembly;
+
+use super::flags::{BadFlag, law, triple, within};
 
 // Each is a flag of the command line.
 #[allow(clippy::struct_excessive_bools)]
@@ -121,7 +122,6 @@ pub(crate) fn run(args: &PokeArgs) -> ExitCode {
 }
 
 fn request(args: &PokeArgs) -> Result<Request, BadFlag> {
-    let law = Law::named(&args.law, args.poisson).map_err(|error| BadFlag(format!("--law {}: {error}", args.law)))?;
     let path = match (args.path, args.lift_mm) {
         (Way::Lift, lift) => Path::Lift {
             lift_m: lift.unwrap_or(LIFT_MM) * 1e-3,
@@ -136,7 +136,7 @@ fn request(args: &PokeArgs) -> Result<Request, BadFlag> {
             pitch_m: args.pitch_mm * 1e-3,
             young_pa: args.young_kpa * 1e3,
             density_kg_m3: args.density,
-            law,
+            law: law(&args.law, args.poisson)?,
             assembly: args.assembly,
             stiffening: args.stiffening,
             damping_per_s: poke::DAMPING_PER_S,
@@ -153,34 +153,4 @@ fn request(args: &PokeArgs) -> Result<Request, BadFlag> {
         positions: args.positions.clone(),
         forces: args.forces.clone(),
     })
-}
-
-/// Flags that do not go together; one line.
-#[derive(Debug)]
-struct BadFlag(String);
-
-impl std::fmt::Display for BadFlag {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(&self.0)
-    }
-}
-
-impl std::error::Error for BadFlag {}
-
-/// Three counts with `BETWEEN` between them.
-fn triple<const BETWEEN: char>(text: &str) -> Result<[u32; 3], String> {
-    let parts: Result<Vec<u32>, _> = text.split(BETWEEN).map(u32::from_str).collect();
-    parts
-        .ok()
-        .and_then(|parts| parts.try_into().ok())
-        .ok_or_else(|| format!("three counts are needed, such as 8{BETWEEN}8{BETWEEN}4"))
-}
-
-/// A number within `LEAST` and `MOST` thousandths.
-fn within<const LEAST: i64, const MOST: i64>(text: &str) -> Result<f64, String> {
-    let [least, most] = [LEAST, MOST].map(|thousandths| thousandths as f64 * 1e-3);
-    text.parse()
-        .ok()
-        .filter(|number| (least..=most).contains(number))
-        .ok_or_else(|| format!("a number from {least} to {most} is needed"))
 }

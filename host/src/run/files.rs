@@ -83,7 +83,7 @@ pub enum Error {
         cause: io::Error,
     },
     /// The picture cannot be drawn.
-    #[error("force.png: {0}")]
+    #[error("the picture cannot be drawn: {0}")]
     Plot(plot::Error),
 }
 

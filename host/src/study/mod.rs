@@ -6,6 +6,7 @@ pub mod band;
 pub mod block;
 pub mod double;
 pub mod method;
+pub mod moduli;
 pub mod path;
 pub mod pd;
 pub mod poke;

@@ -31,27 +31,6 @@ impl Model {
         Ok(0.5 * at.dot(&pull))
     }
 
-    /// Moves the free components of `at` to where the elastic energy is least, and gives the elastic force on every node there [N].
-    ///
-    /// # Errors
-    /// Newton's method does not converge.
-    pub fn balance(&self, at: &mut Field) -> Result<Field, NoEquilibrium> {
-        let mut force = Field::zeros(self.len());
-        self.elastic(at, &mut force);
-        let toward = at.clone();
-        let stiffest = self.families.iter().flat_map(|family| &family.stiffness);
-        let stiffest = stiffest.fold(0.0_f64, |most, k| most.max(*k));
-        let heaviest = self.mass.iter().fold(0.0_f64, |most, m| most.max(*m));
-        let inertia = super::newton::Inertia {
-            // Just enough that a body that is free to slide and turn stays where it is.
-            rate: 1e-9 * stiffest / heaviest,
-            toward: &toward,
-        };
-        self.settle(at, inertia, 1e-9 * force.largest())?;
-        self.elastic(at, &mut force);
-        Ok(force)
-    }
-
     /// The same with every component free.
     fn released(&self) -> Self {
         Self {

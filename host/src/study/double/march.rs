@@ -3,8 +3,6 @@
 use super::newton::{Inertia, NoEquilibrium};
 use super::{Field, Model, V};
 
-/// Residual of a converged tick, by component [N].
-const CONVERGED: f64 = 1e-11;
 /// The period [s].
 const DT: f64 = 1e-3;
 
@@ -61,7 +59,7 @@ impl<'a> March<'a> {
             rate: scale / (DT * DT),
             toward: &toward,
         };
-        self.model.settle(&mut at, inertia, CONVERGED)?;
+        self.model.settle(&mut at, inertia)?;
         std::mem::swap(&mut self.before, &mut self.velocity);
         self.velocity.clone_from(&at);
         self.velocity.blend(1.0 / DT, -1.0 / DT, &self.displacement);

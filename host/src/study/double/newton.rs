@@ -3,6 +3,8 @@
 use super::tangent::{Form, Tangent};
 use super::{Field, Model};
 
+/// Residual of a converged solve, by component [N].
+const CONVERGED: f64 = 1e-11;
 /// Newton steps after which there is no hope.
 const STEPS_MAX: usize = 200;
 /// How far one linear solve brings the residual down: the next step's curvature takes over from there.
@@ -28,18 +30,18 @@ pub struct NoEquilibrium {
 }
 
 impl Model {
-    /// Moves the free nodes of `at` to where the energy has no slope: no component of the residual is above `converged` [N].
-    pub(super) fn settle(&self, at: &mut Field, inertia: Inertia<'_>, converged: f64) -> Result<(), NoEquilibrium> {
+    /// Moves the free nodes of `at` to where the energy has no slope.
+    pub(super) fn settle(&self, at: &mut Field, inertia: Inertia<'_>) -> Result<(), NoEquilibrium> {
         let mut residual = Field::zeros(self.len());
         let mut energy = self.residual(at, inertia, &mut residual);
         let mut tried = at.clone();
         let mut next = residual.clone();
         for _ in 0..STEPS_MAX {
             let left = residual.largest();
-            if left <= converged {
+            if left <= CONVERGED {
                 return Ok(());
             }
-            let enough = (left * FORCING).max(0.1 * converged);
+            let enough = (left * FORCING).max(0.1 * CONVERGED);
             let step = [Form::Exact, Form::Definite]
                 .into_iter()
                 .find_map(|form| Tangent::new(self, at, inertia.rate, form).solve(&residual, enough))
