@@ -124,9 +124,12 @@ impl<const N: usize> Substep<'_, N> {
     }
 }
 
-/// The strain ε⁺ with ε⁺ − ε + c τ(ε⁺) = 0, τ = T/(k L₀): a Newton step for each piece of the curve.
+/// Newton steps for the length of one spring, at most; one is exact for a linear spring.
+const NEWTON: usize = 4;
+
+/// The strain ε⁺ with ε⁺ − ε + c τ(ε⁺) = 0, τ = T/(k L₀).
 fn settle(spring: &Spring, strain: f32, c: f32) -> f32 {
-    (0..spring.pieces()).fold(strain, |settled, _| {
+    (0..spring.pieces().min(NEWTON)).fold(strain, |settled, _| {
         let (tension, slope) = spring.follow(settled);
         settled - (settled - strain + c * tension) / (1.0 + c * slope)
     })

@@ -142,3 +142,30 @@ fn the_fastest_vibration_of_one_spring_is_its_own() {
     let expected = (0.25 * 0.45 * 1e5 * 2e-3 / model.mass[7]).sqrt();
     assert!((model.fastest() / expected - 1.0).abs() < 1e-5);
 }
+
+/// Moved so slowly that inertia is nothing, both schemes give the same reaction.
+#[test]
+fn a_slow_lift_is_the_same_in_both_schemes() {
+    let mut model = model(&SPEC);
+    let node = 100;
+    model.free.iter_mut().for_each(|free| free[node] = false);
+    let reaction = |substeps: Option<u32>| {
+        let mut march = March::new(&model);
+        for tick in 1..=200 {
+            let moved = Moved {
+                node,
+                place: V::new(0.0, 0.0, 1e-6 * f64::from(tick)),
+            };
+            match substeps {
+                Some(substeps) => march.symplectic_euler(moved, substeps),
+                None => march.backward_euler(moved).unwrap(),
+            }
+        }
+        model.reaction(node, |n| march.displacement.get(n))
+    };
+    let (explicit, implicit) = (reaction(Some(40)), reaction(None));
+    assert!(
+        (explicit - implicit).norm() < 5e-3 * implicit.norm(),
+        "{explicit} {implicit}"
+    );
+}

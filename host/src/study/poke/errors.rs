@@ -1,12 +1,13 @@
 //! How far a solver is from the converged solution.
 
 use serde::Serialize;
+use sutura_controller::math::TICK_HZ;
 
 use super::drive::{Poke, State};
 use crate::study::double::{March, Model, Moved, NoEquilibrium, V};
 use crate::study::method::Method;
 
-/// Substeps of the explicit reference: the tick over 200.
+/// Substeps of the explicit reference: the tick over 200, or what makes its step half of the largest stable one.
 const SUBSTEPS: u32 = 200;
 
 /// Errors, each relative to the root mean square of the converged solution over the whole run.
@@ -25,7 +26,8 @@ pub(super) struct Comparison<'a> {
     poke: &'a Poke,
     model: &'a Model,
     march: March<'a>,
-    substepped: bool,
+    /// Substeps of the reference; none for backward Euler.
+    substeps: Option<u32>,
     ticks: f64,
     force: [f64; 2],
     force_most: f64,
@@ -35,11 +37,13 @@ pub(super) struct Comparison<'a> {
 impl<'a> Comparison<'a> {
     /// At rest; `method` says which equation is solved.
     pub(super) fn new(poke: &'a Poke, model: &'a Model, method: Method) -> Self {
+        // Twice the fewest stable, ω dt/2.
+        let stable = || (model.fastest() / f64::from(TICK_HZ)).ceil() as u32;
         Self {
             poke,
             model,
             march: March::new(model),
-            substepped: method.is_substepped(),
+            substeps: method.is_substepped().then(|| stable().max(SUBSTEPS)),
             ticks: 0.0,
             force: [0.0; 2],
             force_most: 0.0,
@@ -53,10 +57,9 @@ impl<'a> Comparison<'a> {
             node: self.poke.node,
             place: V::from(self.poke.place(state.tick).map(f64::from)),
         };
-        if self.substepped {
-            self.march.symplectic_euler(moved, SUBSTEPS);
-        } else {
-            self.march.backward_euler(moved)?;
+        match self.substeps {
+            Some(substeps) => self.march.symplectic_euler(moved, substeps),
+            None => self.march.backward_euler(moved)?,
         }
         let converged = &self.march.displacement;
         let expected = self.model.reaction(self.poke.node, |node| converged.get(node));
