@@ -53,11 +53,12 @@ fn stretch(voxel: &mut Voxel, asked: Asked<'_>) {
     let (mut at, mut slot, mut spare) = (0.0, 0, SPARE);
     for stop in asked.stops() {
         while at < stop {
+            let met = if at < STRAIN_MAX { stop.min(STRAIN_MAX) } else { stop };
             if slot > 0 {
-                turn(voxel, asked, slot, [at, stop]);
+                turn(voxel, asked, slot, [at, met]);
             }
             slot += 1;
-            at = match voxel.reach(asked, [at, stop]) {
+            at = match voxel.reach(asked, [at, met]) {
                 Some(short) if spare > 0 && at < STRAIN_MAX => {
                     spare -= 1;
                     short
@@ -254,8 +255,8 @@ mod tests {
 
     type Pairs = [(f32, f32)];
 
-    /// A line, skin and muscle of the built-in scene, and a curve that is steep early.
-    const CURVES: [(&str, &Pairs); 4] = [
+    /// A line, skin and muscle of the built-in scene, a curve that is steep early, and one that is steep very late.
+    const CURVES: [(&str, &Pairs); 5] = [
         ("line", &[(0.0, 100e3)]),
         ("skin", &[(0.0, 281e3), (0.3, 1.7e6), (0.6, 3.66e6)]),
         (
@@ -263,6 +264,7 @@ mod tests {
             &[(0.0, 26e3), (0.1, 43e3), (0.2, 70e3), (0.3, 117e3), (0.4, 192e3)],
         ),
         ("early", &[(0.0, 100e3), (0.03, 400e3), (0.06, 1e6)]),
+        ("late", &[(0.0, 100e3), (0.4, 150e3), (1.2, 900e3)]),
     ];
 
     fn segments(pairs: &Pairs) -> Vec<Segment, SEGMENTS_MAX> {

@@ -2,7 +2,7 @@
 //!
 //! Springs are those that the controller has assembled, each T(ε) = k L₀ (ε + Σ r_m max(0, ε − ε_m) − ½ g max(0, −ε − ε_c)²) with the
 //! curve's breakpoints ε_m, rises r_m, lock ε_c and its gain g, where a breakpoint below zero acts on its other side; geometry, forces,
-//! energies and steps in time are its own. Voxels of the law `volume` add their own energy ([`volume`]).
+//! energies and steps in time are its own. Voxels of the law `volume` add their own energy.
 
 mod field;
 mod linear;
