@@ -1,12 +1,14 @@
 //! The patch: a regular lattice of mass points in structures of arrays.
 //!
-//! Node (i, j, k) has index (k·ny + j)·nx + i. A spring belongs to its lower node and to one of seven directions: its
-//! other node is a fixed [`Lattice::offsets`] further, so each direction is one contiguous pass and needs no index list.
-//! Where there is no spring, its stiffness is zero.
+//! Node (i, j, k) has index k·layer + j·nx + i, where a layer of nx·ny nodes is filled up to whole vectors ([`Lattice::layer`]) with
+//! nodes that do not exist. A spring belongs to its lower node and to one of seven directions: its other node is a fixed
+//! [`Lattice::offsets`] further, so each direction is one contiguous pass and needs no index list. Where there is no spring, its
+//! stiffness is zero.
 //!
 //! All arrays have capacity `N` and are zero at first: memory that is all zeros is a valid empty lattice, so it is made in place
 //! (zeroed pages on a PC, `.bss` on a microcontroller) and never on the stack.
 
+use crate::lanes::SUM_LANES;
 use crate::math::{Vec3, sqrt};
 use bytemuck::Zeroable;
 
@@ -27,24 +29,19 @@ pub const EDGES: usize = 3;
 /// Stress–strain curves that may meet in one spring.
 pub const CURVES: usize = 3;
 
-/// Nodes a pass may reach past the last spring.
-pub const PASS: u32 = 64;
-/// Array length of the PC's patch: holds any box of 24 × 24 × 12 = 6,912 nodes, at least two layers high and at most 256 wide.
-pub const PC_NODES: usize = 24 * 24 * 12 * 3 / 2 + 256 + 1 + PASS as usize;
+/// Array length of the PC's patch: holds a box of 24 × 24 × 12 = 6,912 nodes, and any box of as many in layers of at least 144.
+///
+/// An odd number of vectors, so that the many arrays of a pass begin in different sets of the cache.
+pub const PC_NODES: usize = 743 * SUM_LANES;
+const _: () = assert!(Lattice::<0>::guard([24, 24, 12]) as usize <= PC_NODES);
 
 /// A vector at every node: x, y and z apart, shape `[3][N]`.
 pub type Field<const N: usize> = [[f32; N]; 3];
 
 /// What does not change while the scene runs.
 #[derive(Clone, Debug, PartialEq, Zeroable)]
-#[repr(C)]
+#[repr(C, align(64))]
 pub struct Lattice<const N: usize> {
-    /// Nodes along x, y, z.
-    pub nodes: [u32; 3],
-    /// Voxel edge a [m].
-    pub pitch: f32,
-    /// Node (0, 0, 0) at rest, patch frame [m].
-    pub origin: [f32; 3],
     /// ρa³/8 from each voxel around the node [kg]; zero where there is no node.
     pub mass: [f32; N],
     /// 1 where the node moves, 0 where it is held or absent.
@@ -56,11 +53,17 @@ pub struct Lattice<const N: usize> {
     pub volume: [f32; N],
     /// By column i + nx·j: 1 + index of its highest node, 0 for an empty column.
     pub top: [u32; N],
+    /// Nodes along x, y, z.
+    pub nodes: [u32; 3],
+    /// Voxel edge a [m].
+    pub pitch: f32,
+    /// Node (0, 0, 0) at rest, patch frame [m].
+    pub origin: [f32; 3],
 }
 
 /// What changes: the tissue's state.
 #[derive(Clone, Debug, PartialEq, Zeroable)]
-#[repr(C)]
+#[repr(C, align(64))]
 pub struct Tissue<const N: usize> {
     /// Displacement from rest [m]; small numbers keep the digits that positions would lose.
     pub displacement: Field<N>,
@@ -69,11 +72,25 @@ pub struct Tissue<const N: usize> {
 }
 
 impl<const N: usize> Lattice<N> {
-    /// Nodes of the whole box, existing or not.
+    /// Indices of the whole box, existing nodes or not.
     #[must_use]
     pub fn len(&self) -> usize {
-        let [nx, ny, nz] = self.nodes;
-        ((nx * ny * nz) as usize).min(N)
+        let [_, _, nz] = self.nodes;
+        (nz as usize * self.layer()).min(N)
+    }
+
+    /// Indices from one layer of nodes to the next: nx·ny in whole vectors.
+    #[must_use]
+    pub const fn layer(&self) -> usize {
+        let [nx, ny, _] = self.nodes;
+        ((nx * ny) as usize).next_multiple_of(SUM_LANES)
+    }
+
+    /// How far in a layer a spring reaches, nx + 1, in whole vectors.
+    #[must_use]
+    pub const fn reach(&self) -> usize {
+        let [nx, _, _] = self.nodes;
+        (nx as usize + 1).next_multiple_of(SUM_LANES)
     }
 
     /// Whether no scene is loaded.
@@ -82,17 +99,21 @@ impl<const N: usize> Lattice<N> {
         self.len() == 0
     }
 
-    /// Array length that a lattice of these nodes needs: passes read and write whole blocks past the last node.
+    /// Array length that a lattice of these nodes needs: springs of the highest layer reach past the last node, and passes keep two
+    /// layers with their reach on both sides.
     #[must_use]
     pub const fn guard([nx, ny, nz]: [u32; 3]) -> u32 {
-        nx * ny * nz + nx * ny + nx + 1 + PASS
+        let lanes = SUM_LANES as u32;
+        let (layer, reach) = ((nx * ny).next_multiple_of(lanes), (nx + 1).next_multiple_of(lanes));
+        let (springs, pulls) = (layer * (nz + 1) + reach, 2 * (layer + 2 * reach));
+        if springs > pulls { springs } else { pulls }
     }
 
     /// Index distance from the lower node of a spring to the other, by direction.
     #[must_use]
     pub fn offsets(&self) -> [usize; DIRECTIONS] {
-        let [nx, ny, _] = self.nodes;
-        let (row, layer) = (nx as i32, (nx * ny) as i32);
+        let [nx, _, _] = self.nodes;
+        let (row, layer) = (nx as i32, self.layer() as i32);
         STEPS.map(|[x, y, z]| (x + y * row + z * layer).unsigned_abs() as usize)
     }
 
@@ -111,15 +132,23 @@ impl<const N: usize> Lattice<N> {
     /// Index of node (i, j, k).
     #[must_use]
     pub const fn index(&self, [i, j, k]: [u32; 3]) -> usize {
-        let [nx, ny, _] = self.nodes;
-        ((k * ny + j) * nx + i) as usize
+        let [nx, _, _] = self.nodes;
+        k as usize * self.layer() + (j * nx + i) as usize
+    }
+
+    /// Every node of the box, existing or not, with its index.
+    pub fn nodes(&self) -> impl Iterator<Item = ([u32; 3], usize)> + use<N> {
+        let [nx, ny, nz] = self.nodes;
+        let layer = self.layer();
+        let within = move |k: u32| (0..nx * ny).map(move |n| ([n % nx, n / nx, k], k as usize * layer + n as usize));
+        (0..nz).flat_map(within)
     }
 
     /// Place of a node at rest, patch frame [m].
     #[must_use]
     pub fn rest_place(&self, index: usize) -> Vec3 {
-        let [nx, ny, _] = self.nodes.map(|n| (n as usize).max(1));
-        let at = [index % nx, index / nx % ny, index / nx / ny];
+        let (nx, layer) = ((self.nodes[0] as usize).max(1), self.layer().max(1));
+        let at = [index % layer % nx, index % layer / nx, index / layer];
         let [x, y, z] = self.origin;
         let [i, j, k] = at.map(|n| n as f32 * self.pitch);
         Vec3::new(x + i, y + j, z + k)

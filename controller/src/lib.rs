@@ -9,6 +9,7 @@ pub mod coupling;
 pub mod device;
 pub mod event;
 pub mod hash;
+pub mod lanes;
 pub mod lattice;
 pub mod law;
 pub mod link;

@@ -3,6 +3,7 @@
 use crate::device::Device;
 use crate::device::sim::Simulated;
 use crate::hash::Hasher;
+use crate::lanes::Level;
 use crate::link::{LoadError, Loaded, Plant};
 use crate::record::Output;
 use crate::safety::LimitedForce;
@@ -24,11 +25,11 @@ pub struct Rig<'m, const N: usize> {
 }
 
 impl<'m, const N: usize> Rig<'m, N> {
-    /// A rig without a scene, in this memory.
+    /// A rig without a scene, in this memory. Its passes run on `level`.
     #[must_use]
-    pub fn new(memory: &'m mut Memory<N>) -> Self {
+    pub fn new(memory: &'m mut Memory<N>, level: Level) -> Self {
         Self {
-            controller: Controller::new(memory),
+            controller: Controller::new(memory, level),
             device: None,
             force: LimitedForce::default(),
             hash: Hasher::default(),
@@ -137,7 +138,9 @@ const fn what_fits(error: ConfigError) -> &'static str {
         ConfigError::Thread(thread::ConfigError::Nodes(_)) => "thread.nodes: within the controller's capacity",
         ConfigError::Thread(thread::ConfigError::Link) => "thread.link_m: at least 2 mm",
         ConfigError::Thread(thread::ConfigError::Coefficient(name)) => name,
-        ConfigError::Solver => "solver: be-pcg",
+        ConfigError::Solver(_) => {
+            "solver: explicit with as many substeps as are stable (without a number it takes the fewest)"
+        }
         ConfigError::Wound => "wound: at most 1,024 pairs of facing nodes",
         ConfigError::NoSkinAtSite => "stitch: skin where the thread's tail is held",
     }

@@ -10,6 +10,7 @@ use std::time::{Duration, Instant};
 
 use sutura::link::{Link, StreamTransport};
 use sutura::scene::build::Built;
+use sutura_controller::lanes::Level;
 use sutura_controller::link::Plant as _;
 use sutura_shared::message::ToHost;
 
@@ -119,7 +120,7 @@ fn round_trip<S: Read + Write>(link: &mut Link<StreamTransport<S>>) -> Result<Du
 /// The state hash of the same run in this process.
 fn hash_here(built: &Built) -> Result<u64, String> {
     let mut memory = scenario::memory();
-    let mut rig = PcRig::new(&mut memory);
+    let mut rig = PcRig::new(&mut memory, Level::best());
     rig.load(&built.scene, &built.cells)
         .map_err(|error| error.0.to_owned())?;
     (0..TICKS).for_each(|_| {

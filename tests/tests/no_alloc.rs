@@ -57,6 +57,7 @@ use std::cell::RefCell;
 use std::hint::black_box;
 use std::time::Duration;
 use sutura::link::{Link, Transport};
+use sutura_controller::lanes::Level;
 use sutura_controller::link::Server;
 use sutura_shared::frame::Decoder;
 use sutura_shared::limits::{STAGING_MAX, WIRE_MAX};
@@ -166,7 +167,7 @@ fn a_stitch_is_sewn_without_allocating() {
     assert!(Effect::ALL.into_iter().all(|effect| built.scene.effects.has(effect)));
     let mut memory = scenario::memory();
     let mut staging = vec![0; STAGING_MAX];
-    let server = RefCell::new(Server::new(PcRig::new(&mut memory), &mut staging));
+    let server = RefCell::new(Server::new(PcRig::new(&mut memory, Level::best()), &mut staging));
     let line = Direct {
         server: &server,
         answers: Vec::new(),

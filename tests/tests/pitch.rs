@@ -3,6 +3,7 @@
 // The lint knows tests, not what they call.
 #![allow(clippy::unwrap_used)]
 
+use sutura_controller::lanes::Level;
 use sutura_controller::link::Plant as _;
 use sutura_shared::scene::Site;
 use sutura_tests::scenario::{self, PcRig};
@@ -19,7 +20,7 @@ fn indent(scene: &str) -> ([f32; 2], Vec<(u32, usize)>) {
     std::fs::write(&path, scene).unwrap();
     let built = scenario::built(Some(&path)).unwrap();
     let mut memory = scenario::memory();
-    let mut rig = PcRig::new(&mut memory);
+    let mut rig = PcRig::new(&mut memory, Level::best());
     rig.load(&built.scene, &built.cells).unwrap();
     let mut depths_mm = [f32::NAN; 2];
     let mut inverted = Vec::new();

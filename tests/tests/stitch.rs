@@ -7,6 +7,7 @@ use std::path::PathBuf;
 use std::sync::OnceLock;
 
 use sutura::run::report::Report;
+use sutura_controller::lanes::Level;
 use sutura_controller::lattice;
 use sutura_controller::link::Plant as _;
 use sutura_tests::scenario::{self, PcRig};
@@ -107,7 +108,7 @@ fn touched_tissue_returns_to_rest() {
 
     let built = scenario::built(Some(&scene)).unwrap();
     let mut memory = scenario::memory();
-    let mut rig = PcRig::new(&mut memory);
+    let mut rig = PcRig::new(&mut memory, Level::best());
     rig.load(&built.scene, &built.cells).unwrap();
     let mut farthest_mm = [0.0_f32; 2];
     for tick in 1..=report.ticks {

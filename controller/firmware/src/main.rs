@@ -12,6 +12,7 @@ mod halt;
 mod uart;
 
 use static_cell::{ConstStaticCell, StaticCell};
+use sutura_controller::lanes::Level;
 use sutura_controller::lattice::Lattice;
 use sutura_controller::link::Server;
 use sutura_controller::rig::Rig;
@@ -34,7 +35,7 @@ fn main() -> ! {
     let (Some(memory), Some(staging)) = (MEMORY.try_take(), STAGING.try_take()) else {
         halt::halt();
     };
-    let Some(server) = SERVER.try_init_with(|| Server::new(Rig::new(memory), staging)) else {
+    let Some(server) = SERVER.try_init_with(|| Server::new(Rig::new(memory, Level::Single), staging)) else {
         halt::halt();
     };
     loop {

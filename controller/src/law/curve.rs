@@ -30,6 +30,13 @@ pub struct Breaks {
 const DIAGONAL_LOCK: (f32, f32) = (0.045, 1000.0);
 
 impl Breaks {
+    /// Strain and rise of the breakpoints in use.
+    #[inline(always)]
+    pub fn used(&self) -> impl Iterator<Item = (f32, f32)> + '_ {
+        let all = self.strain.iter().zip(&self.rise).map(|(at, rise)| (*at, *rise));
+        all.filter(|(_, rise)| rise.abs() > 0.0)
+    }
+
     /// Normalised tension: T/(k L₀) at `strain`.
     #[inline]
     #[must_use]

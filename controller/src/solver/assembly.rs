@@ -1,53 +1,153 @@
 //! Linearisation of the backward Euler equation at x + u:
 //! residual f(x + u) − m (u/dt − v)/dt − α m u/dt, and its spring operator.
 //!
-//! Lengths come from displacements: l² = L₀² + q with q = 2 R·δ + δ·δ, and l − L₀ = q/(l + L₀), which keeps the digits
-//! that a difference of positions would lose. A spring's Jacobian is k_t d dᵀ + (T/l)(I − d dᵀ) with T/l cut off
-//! at zero, so the operator stays positive definite under compression; the force is exact.
+//! A spring's Jacobian is k_t d dᵀ + (T/l)(I − d dᵀ) with T/l cut off at zero, so the operator stays positive definite under
+//! compression; the force is exact.
 
-#![allow(
-    clippy::needless_range_loop,
-    reason = "lanes of several arrays advance together; an index says so best"
-)]
-
-use super::blocks::{BLOCK, Lane, window, window_mut};
+use super::spring::{Spring, follow, measure, pull, rest_length};
+use super::sweep::{Pass, sweep};
 use super::{Problem, Work, operator};
-use crate::lattice::{CURVES, EDGES, Field, Tissue};
-use crate::law::Breaks;
-use crate::math::{DT, sqrt};
-
-/// Geometry and load of one block of springs of one direction.
-struct Springs {
-    /// Rest length L₀ [m].
-    rest_length: f32,
-    /// Unit direction, x, y and z apart.
-    direction: [Lane; 3],
-    /// 1/l [1/m].
-    inverse_length: Lane,
-    /// (l − L₀)/L₀.
-    strain: Lane,
-    /// Tension over the rest length [N/m].
-    tension: Lane,
-    /// Slope of the tension [N/m].
-    slope: Lane,
-    /// First-slope stiffness [N/m].
-    stiffness: Lane,
-}
+use crate::lanes::{Lanes, run_on};
+use crate::lattice::{DIRECTIONS, Field, Tissue};
+use crate::math::DT;
 
 /// Fills residual, operator and inverse diagonal for the displacement `work.step` within the tick.
-pub(super) fn linearise<const N: usize>(
+#[inline(always)]
+pub(super) fn linearise<L: Lanes, const N: usize>(
+    lanes: L,
     problem: &Problem<'_, N>,
     load: &Field<N>,
     tissue: &Tissue<N>,
     work: &mut Work<N>,
 ) {
-    begin(problem, load, tissue, work);
-    add_springs(problem, work);
+    advance_place(lanes, problem.lattice.len(), tissue, work);
+    let Work {
+        given,
+        step,
+        place,
+        residual,
+        inverse_diagonal,
+        axial,
+        transverse,
+        ..
+    } = work;
+    let mut pass = Linearise {
+        problem,
+        load,
+        velocity: &tissue.velocity,
+        rate: problem.material.spring_damping / DT,
+        step,
+        place,
+        residual,
+        inverse_diagonal,
+        axial,
+        transverse,
+    };
+    sweep(lanes, problem.lattice, given, &mut pass);
     if let Some(faces) = problem.faces {
         operator::meet(faces, work);
     }
-    operator::load_points(problem.coupling, work);
-    invert_diagonal(problem, work);
+    operator::load_points(problem, work);
+}
+
+/// `work.place` = displacement from rest at the end of `work.step`.
+#[inline(always)]
+fn advance_place<L: Lanes, const N: usize>(lanes: L, n: usize, tissue: &Tissue<N>, work: &mut Work<N>) {
+    let parts = work.place.iter_mut().zip(&tissue.displacement).zip(&work.step);
+    for ((place, displacement), step) in parts {
+        for at in (0..n).step_by(L::WIDTH) {
+            let sum = lanes.load(displacement, at) + lanes.load(step, at);
+            lanes.store(sum, place, at);
+        }
+    }
+}
+
+struct Linearise<'a, const N: usize> {
+    problem: &'a Problem<'a, N>,
+    load: &'a Field<N>,
+    velocity: &'a Field<N>,
+    /// β/dt.
+    rate: f32,
+    step: &'a Field<N>,
+    place: &'a Field<N>,
+    residual: &'a mut Field<N>,
+    inverse_diagonal: &'a mut Field<N>,
+    axial: &'a mut [Field<N>; DIRECTIONS],
+    transverse: &'a mut [[f32; N]; DIRECTIONS],
+}
+
+impl<L: Lanes, const N: usize> Pass<L, 6> for Linearise<'_, N> {
+    type Near = [L::F; 3];
+
+    #[inline(always)]
+    fn near(&self, lanes: L, at: usize) -> Self::Near {
+        lanes.vector(self.place, at)
+    }
+
+    #[inline(always)]
+    fn spring<const D: usize>(&mut self, lanes: L, near: Self::Near, at: usize, far: usize) -> [L::F; 6] {
+        let lattice = self.problem.lattice;
+        let Spring {
+            along,
+            length,
+            square,
+            product,
+        } = measure::<L, D>(lanes, lattice.pitch, near, lanes.vector(self.place, far));
+        let rest = rest_length::<D>(lattice.pitch);
+        let one = lanes.splat(1.0);
+        // 1/l and q/(l + L) from one division.
+        let inverse_product = one / product;
+        let inverse = inverse_product * (length + lanes.splat(rest));
+        let stretch = square * inverse_product * length;
+        let load = follow::<L, D, N>(
+            lanes,
+            (lattice, self.problem.material),
+            at,
+            stretch * lanes.splat(1.0 / rest),
+        );
+        let [x, y, z] = along;
+        let unit = [x * inverse, y * inverse, z * inverse];
+        let tension = load.tension * lanes.splat(rest);
+        let turn = lanes.where_positive(tension, tension) * inverse;
+        let (mut pull, mut steepness) = (tension, load.slope);
+        if self.rate > 0.0 {
+            let viscous = lanes.splat(self.rate) * load.stiffness;
+            let mut rate = lanes.splat(0.0);
+            for c in 0..3 {
+                rate = rate + unit[c] * (lanes.load(&self.step[c], far) - lanes.load(&self.step[c], at));
+            }
+            pull = pull + viscous * rate;
+            steepness = steepness + viscous;
+        }
+        let along = lanes.root(lanes.larger(steepness - turn, lanes.splat(0.0)));
+        lanes.store(turn, &mut self.transverse[D], at);
+        let mut given = [turn; 6];
+        for c in 0..3 {
+            let axial = unit[c] * along;
+            lanes.store(axial, &mut self.axial[D][c], at);
+            given[c] = unit[c] * pull;
+            given[c + 3] = axial * axial + turn;
+        }
+        given
+    }
+
+    #[inline(always)]
+    fn node(&mut self, lanes: L, at: usize, begin: [L::F; 6], end: [L::F; 6]) {
+        let lattice = self.problem.lattice;
+        let mass = lanes.load(&lattice.mass, at);
+        let free = lanes.load(&lattice.free, at);
+        let (inertia, drag) = (1.0 / (DT * DT), self.problem.material.mass_damping / DT);
+        for c in 0..3 {
+            let step = lanes.load(&self.step[c], at);
+            let glide = step - lanes.splat(DT) * lanes.load(&self.velocity[c], at);
+            let fall = mass * (lanes.splat(inertia) * glide + lanes.splat(drag) * step);
+            let force = lanes.load(&self.load[c], at) + (begin[c] - end[c]);
+            lanes.store((force - fall) * free, &mut self.residual[c], at);
+            let diagonal = mass * lanes.splat(inertia + drag) + (begin[c + 3] + end[c + 3]);
+            let inverse = lanes.where_positive(free, lanes.splat(1.0) / diagonal);
+            lanes.store(inverse, &mut self.inverse_diagonal[c], at);
+        }
+    }
 }
 
 /// Elastic force of the springs on every node, held ones too [N]; no dashpots, no inertia.
@@ -56,210 +156,40 @@ pub fn elastic_force<'w, const N: usize>(
     tissue: &Tissue<N>,
     work: &'w mut Work<N>,
 ) -> &'w Field<N> {
-    let fields = [&mut work.step, &mut work.residual];
-    fields.into_iter().flatten().for_each(|c| c.fill(0.0));
-    work.place.clone_from(&tissue.displacement);
-    add_springs(problem, work);
-    &work.residual
-}
-
-/// Forces, operator and diagonal of all springs, one direction after the other.
-fn add_springs<const N: usize>(problem: &Problem<'_, N>, work: &mut Work<N>) {
-    let lattice = problem.lattice;
-    let shapes = lattice.rest().into_iter().zip(lattice.rest_lengths());
-    for (direction, (offset, (rest, rest_length))) in lattice.offsets().into_iter().zip(shapes).enumerate() {
-        for low in (0..lattice.len()).step_by(BLOCK) {
-            let mut springs = measure(&work.place, [low, low + offset], rest, rest_length);
-            follow_curves(problem, direction, low, &mut springs);
-            emit(
-                problem.material.spring_damping,
-                work,
-                direction,
-                [low, low + offset],
-                &springs,
-            );
-        }
-    }
-}
-
-/// Inertia, damping and load; the diagonal collects in `inverse_diagonal`.
-fn begin<const N: usize>(problem: &Problem<'_, N>, load: &Field<N>, tissue: &Tissue<N>, work: &mut Work<N>) {
-    let n = problem.lattice.len();
-    let inertia = 1.0 / (DT * DT);
-    let drag = problem.material.mass_damping / DT;
-    let then = tissue
-        .displacement
-        .iter()
-        .zip(&tissue.velocity)
-        .zip(load)
-        .zip(&work.step);
-    let out = work
-        .place
-        .iter_mut()
-        .zip(&mut work.residual)
-        .zip(&mut work.inverse_diagonal);
-    for ((((x, v), f), u), ((place, residual), diagonal)) in then.zip(out) {
-        for (place, (x, u)) in place.iter_mut().zip(x.iter().zip(u)).take(n) {
-            *place = x + u;
-        }
-        let mass = &problem.lattice.mass;
-        let rows = residual.iter_mut().zip(diagonal).zip(mass);
-        for (((r, d), m), (u, (v, f))) in rows.zip(u.iter().zip(v.iter().zip(f))).take(n) {
-            *r = f - m * (inertia * (u - DT * v) + drag * u);
-            *d = m * (inertia + drag);
-        }
-    }
-}
-
-/// Direction, length and strain of the springs from nodes `near…` to nodes `far…`.
-#[inline]
-fn measure<const N: usize>(place: &Field<N>, [near, far]: [usize; 2], rest: [f32; 3], rest_length: f32) -> Springs {
-    let [ax, ay, az] = place.each_ref().map(|p| window(p, near));
-    let [bx, by, bz] = place.each_ref().map(|p| window(p, far));
-    let mut springs = Springs {
-        rest_length,
-        direction: [[0.0; BLOCK]; 3],
-        inverse_length: [0.0; BLOCK],
-        strain: [0.0; BLOCK],
-        tension: [0.0; BLOCK],
-        slope: [0.0; BLOCK],
-        stiffness: [0.0; BLOCK],
+    let Work { given, residual, .. } = work;
+    let mut pass = Elastic {
+        problem,
+        place: &tissue.displacement,
+        force: residual,
     };
-    let [dx, dy, dz] = &mut springs.direction;
-    let [rx, ry, rz] = rest;
-    let (square, inverse_rest) = (rest_length * rest_length, 1.0 / rest_length);
-    for l in 0..BLOCK {
-        let (x, y, z) = (bx[l] - ax[l], by[l] - ay[l], bz[l] - az[l]);
-        let q = 2.0 * (rx * x + ry * y + rz * z) + (x * x + y * y + z * z);
-        // A spring of no length has no direction: the floor keeps it finite.
-        let length = sqrt((square + q).max(1e-16));
-        let inverse = 1.0 / length;
-        dx[l] = (rx + x) * inverse;
-        dy[l] = (ry + y) * inverse;
-        dz[l] = (rz + z) * inverse;
-        springs.inverse_length[l] = inverse;
-        springs.strain[l] = q / (length + rest_length) * inverse_rest;
-    }
-    springs
+    run_on!(problem.level, lanes => sweep(lanes, problem.lattice, given, &mut pass));
+    residual
 }
 
-/// Tension, slope and first-slope stiffness, summed over the curves that meet in a spring.
-#[inline]
-fn follow_curves<const N: usize>(problem: &Problem<'_, N>, direction: usize, low: usize, springs: &mut Springs) {
-    let slots = if problem.material.stiffening { CURVES } else { 1 };
-    let used = problem
-        .material
-        .curves
-        .iter()
-        .zip(&problem.lattice.stiffness)
-        .take(slots);
-    for (curve, stiffness) in used.filter(|(curve, _)| curve.young > 0.0) {
-        let Some(k) = stiffness.get(direction).map(|k| window(k, low)) else {
-            continue;
-        };
-        let straight = Breaks::default();
-        let breaks = match (problem.material.stiffening, direction) {
-            (false, _) => &straight,
-            (true, 0..EDGES) => &curve.edge,
-            (true, _) => &curve.diagonal,
-        };
-        for l in 0..BLOCK {
-            springs.tension[l] += k[l] * springs.strain[l];
-            springs.slope[l] += k[l];
-            springs.stiffness[l] += k[l];
-        }
-        let used = |(_, rise): &(&f32, &f32)| rise.abs() > 0.0;
-        for (at, rise) in breaks.strain.iter().zip(&breaks.rise).filter(used) {
-            let away = if *at < 0.0 { -1.0 } else { 1.0 };
-            for l in 0..BLOCK {
-                let over = springs.strain[l] - at;
-                let steeper = if over * away > 0.0 { k[l] * rise } else { 0.0 };
-                springs.tension[l] += steeper * over;
-                springs.slope[l] += steeper;
-            }
-        }
-        let (at, gain) = breaks.lock;
-        if gain > 0.0 {
-            for l in 0..BLOCK {
-                let under = (springs.strain[l] + at).min(0.0);
-                let steeper = -k[l] * gain * under;
-                springs.tension[l] += 0.5 * steeper * under;
-                springs.slope[l] += steeper;
-            }
-        }
-    }
+struct Elastic<'a, const N: usize> {
+    problem: &'a Problem<'a, N>,
+    place: &'a Field<N>,
+    force: &'a mut Field<N>,
 }
 
-/// Stores the operator of a block of springs and adds their forces and their diagonal at both ends.
-#[inline]
-fn emit<const N: usize>(
-    damping: f32,
-    work: &mut Work<N>,
-    direction: usize,
-    [near, far]: [usize; 2],
-    springs: &Springs,
-) {
-    let mut force = springs.direction;
-    let mut diagonal = [[0.0; BLOCK]; 3];
-    let rate = damping / DT;
-    let (Some(axial), Some(transverse)) = (work.axial.get_mut(direction), work.transverse.get_mut(direction)) else {
-        return;
-    };
-    let (Some([gx, gy, gz]), Some(across)) = (blocks_mut(axial, near), window_mut(transverse, near)) else {
-        return;
-    };
-    let [ux, uy, uz] = work.step.each_ref().map(|u| window(u, near));
-    let [wx, wy, wz] = work.step.each_ref().map(|u| window(u, far));
-    let [dx, dy, dz] = &springs.direction;
-    let [fx, fy, fz] = &mut force;
-    let [hx, hy, hz] = &mut diagonal;
-    for l in 0..BLOCK {
-        let viscous = rate * springs.stiffness[l];
-        let stretch = dx[l] * (wx[l] - ux[l]) + dy[l] * (wy[l] - uy[l]) + dz[l] * (wz[l] - uz[l]);
-        let tension = springs.tension[l] * springs.rest_length;
-        let turn = tension.max(0.0) * springs.inverse_length[l];
-        let along = sqrt((springs.slope[l] + viscous - turn).max(0.0));
-        let pull = tension + viscous * stretch;
-        (fx[l], fy[l], fz[l]) = (dx[l] * pull, dy[l] * pull, dz[l] * pull);
-        (gx[l], gy[l], gz[l]) = (dx[l] * along, dy[l] * along, dz[l] * along);
-        across[l] = turn;
-        hx[l] = gx[l] * gx[l] + turn;
-        hy[l] = gy[l] * gy[l] + turn;
-        hz[l] = gz[l] * gz[l] + turn;
-    }
-    for (c, (force, diagonal)) in force.iter().zip(&diagonal).enumerate() {
-        spread(work.residual.get_mut(c), [near, far], force, -1.0);
-        spread(work.inverse_diagonal.get_mut(c), [near, far], diagonal, 1.0);
-    }
-}
+impl<L: Lanes, const N: usize> Pass<L, 3> for Elastic<'_, N> {
+    type Near = [L::F; 3];
 
-/// Mutable windows of all three components.
-fn blocks_mut<const N: usize>(field: &mut Field<N>, at: usize) -> Option<[&mut Lane; 3]> {
-    let [x, y, z] = field;
-    Some([window_mut(x, at)?, window_mut(y, at)?, window_mut(z, at)?])
-}
-
-/// Adds `values` at the near nodes and `far_sign` times them at the far nodes.
-#[inline]
-fn spread<const N: usize>(out: Option<&mut [f32; N]>, [near, far]: [usize; 2], values: &Lane, far_sign: f32) {
-    let Some(out) = out else { return };
-    if let Some(out) = window_mut(out, near) {
-        out.iter_mut().zip(values).for_each(|(o, v)| *o += v);
+    #[inline(always)]
+    fn near(&self, lanes: L, at: usize) -> Self::Near {
+        lanes.vector(self.place, at)
     }
-    if let Some(out) = window_mut(out, far) {
-        out.iter_mut().zip(values).for_each(|(o, v)| *o += far_sign * v);
-    }
-}
 
-/// Turns the collected diagonal into its inverse; zero at held and absent nodes, where the residual is cleared too.
-fn invert_diagonal<const N: usize>(problem: &Problem<'_, N>, work: &mut Work<N>) {
-    let n = problem.lattice.len();
-    let free = &problem.lattice.free;
-    for (diagonal, residual) in work.inverse_diagonal.iter_mut().zip(&mut work.residual) {
-        for ((d, r), free) in diagonal.iter_mut().zip(residual).zip(free).take(n) {
-            let inverse = if *free > 0.0 { 1.0 / *d } else { 0.0 };
-            *d = inverse;
-            *r *= free;
+    #[inline(always)]
+    fn spring<const D: usize>(&mut self, lanes: L, near: Self::Near, at: usize, far: usize) -> [L::F; 3] {
+        let far = lanes.vector(self.place, far);
+        pull::<L, D, N>(lanes, (self.problem.lattice, self.problem.material), at, [near, far])
+    }
+
+    #[inline(always)]
+    fn node(&mut self, lanes: L, at: usize, begin: [L::F; 3], end: [L::F; 3]) {
+        for c in 0..3 {
+            lanes.store(begin[c] - end[c], &mut self.force[c], at);
         }
     }
 }

@@ -1,11 +1,13 @@
 //! Backward Euler with a fixed number of Newton steps, each a fixed number of preconditioned conjugate gradients.
 
-use super::operator::{self, Points};
-use super::reduce::dot;
+use super::operator;
+use super::points::Points;
+use super::step::{predict_step, take_step};
 use super::{Problem, Solver, Work, assembly};
 use crate::coupling::POINTS;
+use crate::lanes::{Lanes, run_on};
 use crate::lattice::{Field, Tissue};
-use crate::math::{DT, Vec3};
+use crate::math::Vec3;
 
 /// The method's dials.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -16,11 +18,6 @@ pub struct BePcg {
     pub newton: u16,
 }
 
-/// A displacement within a tick, and one from rest, below which a node is still [m]: a thousandth of an atom. Motion that dies
-/// out would otherwise end in subnormal numbers, which cost a hundred times the time.
-const STILL: f32 = 1e-15;
-const REST: f32 = 1e-13;
-
 impl<const N: usize> Solver<N> for BePcg {
     fn advance(
         &self,
@@ -29,12 +26,20 @@ impl<const N: usize> Solver<N> for BePcg {
         tissue: &mut Tissue<N>,
         work: &mut Work<N>,
     ) -> [Vec3; POINTS] {
+        run_on!(problem.level, lanes => self.advance_on(lanes, problem, (load, tissue, work)))
+    }
+}
+
+impl BePcg {
+    #[inline(always)]
+    fn advance_on<L: Lanes, const N: usize>(
+        &self,
+        lanes: L,
+        problem: &Problem<'_, N>,
+        (load, tissue, work): (&Field<N>, &mut Tissue<N>, &mut Work<N>),
+    ) -> [Vec3; POINTS] {
         let n = problem.lattice.len();
-        for (step, velocity) in work.step.iter_mut().zip(&tissue.velocity) {
-            for (u, v) in step.iter_mut().zip(velocity).take(n) {
-                *u = DT * v;
-            }
-        }
+        predict_step(lanes, n, tissue, work);
         let mut moved = [Vec3::zeros(); POINTS];
         for _ in 0..self.newton {
             // The coupling is stated at the predicted place; what the points have moved since changes its force.
@@ -45,69 +50,96 @@ impl<const N: usize> Solver<N> for BePcg {
                 coupling: &coupling,
                 ..*problem
             };
-            assembly::linearise(&now, load, tissue, work);
-            solve(&now, self.iterations, work);
-            for (step, solution) in work.step.iter_mut().zip(&work.solution) {
-                step.iter_mut().zip(solution).take(n).for_each(|(u, d)| *u += d);
-            }
+            assembly::linearise(lanes, &now, load, tissue, work);
+            solve(lanes, &now, self.iterations, work);
             let further = coupling.gather(&work.solution);
             moved.iter_mut().zip(&further).for_each(|(m, f)| *m += f);
-        }
-        let parts = tissue.displacement.iter_mut().zip(&mut tissue.velocity).zip(&work.step);
-        for ((displacement, velocity), step) in parts {
-            for ((x, v), u) in displacement.iter_mut().zip(velocity).zip(step).take(n) {
-                let u = if u.abs() < STILL { 0.0 } else { *u };
-                let place = *x + u;
-                *x = if place.abs() < REST { 0.0 } else { place };
-                *v = u / DT;
+            for (step, solution) in work.step.iter_mut().zip(&work.solution) {
+                for at in (0..n).step_by(L::WIDTH) {
+                    lanes.store(lanes.load(step, at) + lanes.load(solution, at), step, at);
+                }
             }
         }
+        take_step(lanes, n, tissue, work);
         moved
     }
 }
 
 /// `work.solution` = A⁻¹ `work.residual`, approximately; the residual is used up.
-fn solve<const N: usize>(problem: &Problem<'_, N>, iterations: u16, work: &mut Work<N>) {
+#[inline(always)]
+fn solve<L: Lanes, const N: usize>(lanes: L, problem: &Problem<'_, N>, iterations: u16, work: &mut Work<N>) {
     let n = problem.lattice.len();
     let points = Points::new(problem.coupling, &work.inverse_diagonal);
-    for solution in &mut work.solution {
-        solution.iter_mut().take(n).for_each(|x| *x = 0.0);
+    for array in work
+        .solution
+        .iter_mut()
+        .chain(&mut work.search)
+        .chain(&mut work.product)
+    {
+        array.iter_mut().take(n).for_each(|x| *x = 0.0);
     }
-    operator::precondition(points.as_ref(), n, work);
-    for (search, scaled) in work.search.iter_mut().zip(&work.scaled) {
-        search.iter_mut().zip(scaled).take(n).for_each(|(p, z)| *p = *z);
-    }
-    let mut rz = dot(&work.residual, &work.scaled, n);
+    let (mut rz, back) = reduce(lanes, n, points.as_ref(), 0.0, work);
+    turn(lanes, n, (points.as_ref(), &back), [0.0, 0.0], work);
     for _ in 0..iterations {
-        operator::apply(problem, points.as_ref(), work);
-        let curvature = dot(&work.search, &work.product, n);
+        let curvature = operator::apply(lanes, problem, points.as_ref(), work);
         // A residual that is zero already, or rounding, ends the progress but not the loop.
         let along = if curvature > 0.0 && rz > 0.0 {
             rz / curvature
         } else {
             0.0
         };
-        let steps = work
-            .solution
-            .iter_mut()
-            .zip(&mut work.residual)
-            .zip(work.search.iter().zip(&work.product));
-        for ((x, r), (p, q)) in steps {
-            for ((x, r), (p, q)) in x.iter_mut().zip(r.iter_mut()).zip(p.iter().zip(q)).take(n) {
-                *x += along * p;
-                *r -= along * q;
-            }
-        }
-        operator::precondition(points.as_ref(), n, work);
-        let next = dot(&work.residual, &work.scaled, n);
+        let (next, back) = reduce(lanes, n, points.as_ref(), along, work);
         let keep = if rz > 0.0 { next / rz } else { 0.0 };
         rz = next;
-        for (search, scaled) in work.search.iter_mut().zip(&work.scaled) {
-            search
-                .iter_mut()
-                .zip(scaled)
-                .take(n)
-                .for_each(|(p, z)| *p = z + keep * *p);
+        turn(lanes, n, (points.as_ref(), &back), [along, keep], work);
+    }
+}
+
+/// r −= `along`·q; gives rᵀ M⁻¹ r, and what the points take of D⁻¹ r to make M⁻¹ r.
+#[inline(always)]
+fn reduce<L: Lanes, const N: usize>(
+    lanes: L,
+    n: usize,
+    points: Option<&Points<'_>>,
+    along: f32,
+    work: &mut Work<N>,
+) -> (f32, [Vec3; POINTS]) {
+    let mut sum = lanes.nothing();
+    let parts = work.residual.iter_mut().zip(&work.product).zip(&work.inverse_diagonal);
+    for ((residual, product), inverse) in parts {
+        for at in (0..n).step_by(L::WIDTH) {
+            let left = lanes.load(residual, at) - lanes.splat(along) * lanes.load(product, at);
+            lanes.store(left, residual, at);
+            sum = lanes.add(sum, at, left * left * lanes.load(inverse, at));
         }
+    }
+    let whole = lanes.total(sum);
+    points.map_or((whole, [Vec3::zeros(); POINTS]), |points| {
+        let (back, taken) = points.take(&work.residual, &work.inverse_diagonal);
+        (whole - taken, back)
+    })
+}
+
+/// x += `along`·p, then p = M⁻¹ r + `keep`·p.
+#[inline(always)]
+fn turn<L: Lanes, const N: usize>(
+    lanes: L,
+    n: usize,
+    (points, back): (Option<&Points<'_>>, &[Vec3; POINTS]),
+    [along, keep]: [f32; 2],
+    work: &mut Work<N>,
+) {
+    let parts = work.solution.iter_mut().zip(&mut work.search);
+    for ((solution, search), (residual, inverse)) in parts.zip(work.residual.iter().zip(&work.inverse_diagonal)) {
+        for at in (0..n).step_by(L::WIDTH) {
+            let before = lanes.load(search, at);
+            let sum = lanes.load(solution, at) + lanes.splat(along) * before;
+            lanes.store(sum, solution, at);
+            let scaled = lanes.load(residual, at) * lanes.load(inverse, at);
+            lanes.store(scaled + lanes.splat(keep) * before, search, at);
+        }
+    }
+    if let Some(points) = points {
+        points.give(back, &work.inverse_diagonal, &mut work.search);
     }
 }

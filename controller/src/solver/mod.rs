@@ -2,19 +2,29 @@
 
 mod assembly;
 mod be_pcg;
-mod blocks;
+mod choice;
+mod explicit;
 mod operator;
-mod reduce;
+mod points;
+mod spectrum;
+mod spring;
+mod step;
+mod sweep;
 
 pub use assembly::elastic_force;
 pub use be_pcg::BePcg;
+pub use choice::{Choice, Refused};
+pub use explicit::Explicit;
+pub use spectrum::fewest_substeps;
 
 use crate::coupling::Coupling;
+use crate::lanes::{Lanes, Level, run_on};
 use crate::lattice::{DIRECTIONS, Field, Lattice, Tissue};
 use crate::law::Material;
 use crate::math::Vec3;
 use crate::wound::{Faces, PAIRS_MAX};
 use bytemuck::Zeroable;
+use sweep::Given;
 
 /// What a solver is given: nothing here changes during a tick.
 #[derive(Clone, Copy, Debug)]
@@ -27,6 +37,8 @@ pub struct Problem<'a, const N: usize> {
     pub coupling: &'a Coupling,
     /// The wound's faces, where they may not pass through each other.
     pub faces: Option<&'a Faces>,
+    /// What the passes run on.
+    pub level: Level,
 }
 
 /// A method that advances the tissue by one tick with a fixed count of operations.
@@ -44,8 +56,10 @@ pub trait Solver<const N: usize> {
 
 /// A solver's scratch memory; what it holds between ticks is of no meaning.
 #[derive(Clone, Debug, PartialEq, Zeroable)]
-#[repr(C)]
+#[repr(C, align(64))]
 pub struct Work<const N: usize> {
+    /// What springs give their nodes in a sweep.
+    given: Given<N>,
     /// Displacement within the tick, u = x⁺ − x [m].
     step: Field<N>,
     /// Displacement from rest at the linearisation [m].
@@ -58,8 +72,6 @@ pub struct Work<const N: usize> {
     search: Field<N>,
     /// Operator times search direction.
     product: Field<N>,
-    /// Preconditioned residual.
-    scaled: Field<N>,
     /// Inverse of the operator's diagonal; zero at held nodes.
     inverse_diagonal: Field<N>,
     /// Spring direction times the root of its axial stiffness less its transverse one, by direction [√(N/m)].
@@ -74,39 +86,43 @@ impl<const N: usize> Work<N> {
     /// Forgets everything: passes read a guard beyond the last node, which another scene may have filled.
     pub fn clear(&mut self) {
         let Self {
+            given,
             step,
             place,
             residual,
             solution,
             search,
             product,
-            scaled,
             inverse_diagonal,
             axial,
             transverse,
             contact,
         } = self;
-        let fields = [
-            step,
-            place,
-            residual,
-            solution,
-            search,
-            product,
-            scaled,
-            inverse_diagonal,
-        ];
+        let fields = [step, place, residual, solution, search, product, inverse_diagonal];
         let arrays = fields.into_iter().chain(axial).flatten().chain(transverse);
         arrays.for_each(|array| array.fill(0.0));
         contact.fill(0.0);
+        given.clear();
     }
+}
 
-    /// Whether the last tick moved the first `n` nodes by finite amounts.
-    #[must_use]
-    pub fn is_finite(&self, n: usize) -> bool {
-        // A sum of squares is finite only if every term is, and it vectorises.
-        reduce::dot(&self.step, &self.step, n).is_finite()
+/// Whether the last tick left every node's velocity and displacement finite.
+#[must_use]
+pub fn is_finite<const N: usize>(level: Level, n: usize, tissue: &Tissue<N>) -> bool {
+    run_on!(level, lanes => square_sum(lanes, n, tissue)).is_finite()
+}
+
+/// A sum of squares, finite only if every term is.
+#[inline(always)]
+fn square_sum<L: Lanes, const N: usize>(lanes: L, n: usize, tissue: &Tissue<N>) -> f32 {
+    let mut sum = lanes.nothing();
+    for values in tissue.velocity.iter().chain(&tissue.displacement) {
+        for at in (0..n).step_by(L::WIDTH) {
+            let x = lanes.load(values, at);
+            sum = lanes.add(sum, at, x * x);
+        }
     }
+    lanes.total(sum)
 }
 
 /// Predicted displacement of the points within the tick, W·(dt·v), the place at which a [`Coupling`] states its force.

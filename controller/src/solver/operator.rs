@@ -1,35 +1,25 @@
 //! The linearised operator A = m(1/dt² + α/dt) + K + WᵀSW + wound contact, applied in passes, and its preconditioner.
 
-#![allow(
-    clippy::needless_range_loop,
-    reason = "lanes of several arrays advance together; an index says so best"
-)]
-
-use super::blocks::{BLOCK, window, window_mut};
+use super::points::{Points, inner};
+use super::sweep::{Pass, sweep};
 use super::{Problem, Work};
-use crate::coupling::{Coupling, POINTS};
+use crate::lanes::Lanes;
 use crate::lattice::{DIRECTIONS, Field, Lattice};
-use crate::math::{DT, Mat3, Vec3};
+use crate::math::DT;
 use crate::wound::Faces;
-use nalgebra::{SMatrix, SVector};
 
-/// Unknowns of the coupling points.
-const UNKNOWNS: usize = 3 * POINTS;
-
-/// `work.product` = A · `work.search`.
-pub(super) fn apply<const N: usize>(problem: &Problem<'_, N>, points: Option<&Points<'_>>, work: &mut Work<N>) {
-    let lattice = problem.lattice;
-    let n = lattice.len();
+/// `work.product` = A · `work.search`; gives `search`ᵀ A `search`.
+#[inline(always)]
+pub(super) fn apply<L: Lanes, const N: usize>(
+    lanes: L,
+    problem: &Problem<'_, N>,
+    points: Option<&Points<'_>>,
+    work: &mut Work<N>,
+) -> f32 {
     let inertia = 1.0 / (DT * DT) + problem.material.mass_damping / DT;
-    for (product, search) in work.product.iter_mut().zip(&work.search) {
-        for ((q, p), m) in product.iter_mut().zip(search).zip(&lattice.mass).take(n) {
-            *q = m * inertia * p;
-        }
-    }
-    springs(lattice, work);
+    let mut curvature = springs(lanes, problem.lattice, inertia, work);
     if let Some(faces) = problem.faces {
-        let [search, ..] = &work.search;
-        let [product, ..] = &mut work.product;
+        let ([search, ..], [product, ..]) = (&work.search, &mut work.product);
         for ((left, right), penalty) in faces.pairs().zip(&work.contact) {
             let (Some(a), Some(b)) = (search.get(left), search.get(right)) else {
                 continue;
@@ -37,11 +27,90 @@ pub(super) fn apply<const N: usize>(problem: &Problem<'_, N>, points: Option<&Po
             let push = penalty * (b - a);
             add_at(product, left, -push);
             add_at(product, right, push);
+            curvature += push * (b - a);
         }
     }
-    if let Some(Points { coupling, .. }) = points {
-        let pull = coupling.product(&coupling.gather(&work.search));
+    if let Some(coupling) = points.map(|points| points.coupling) {
+        let moved = coupling.gather(&work.search);
+        let pull = coupling.product(&moved);
         coupling.scatter(&pull, &mut work.product);
+        curvature += inner(&moved, &pull);
+    }
+    curvature
+}
+
+/// `work.product` = (`inertia` M + K) · `work.search`, the springs alone; gives its inner product with `search`.
+#[inline(always)]
+pub(super) fn springs<L: Lanes, const N: usize>(
+    lanes: L,
+    lattice: &Lattice<N>,
+    inertia: f32,
+    work: &mut Work<N>,
+) -> f32 {
+    let Work {
+        given,
+        search,
+        product,
+        axial,
+        transverse,
+        ..
+    } = work;
+    let mut pass = Apply {
+        mass: &lattice.mass,
+        inertia,
+        search,
+        product,
+        axial,
+        transverse,
+        curvature: lanes.nothing(),
+    };
+    sweep(lanes, lattice, given, &mut pass);
+    lanes.total(pass.curvature)
+}
+
+/// Mass and springs: (g gᵀ + b I) on the difference of a spring's two ends.
+struct Apply<'a, L: Lanes, const N: usize> {
+    mass: &'a [f32; N],
+    inertia: f32,
+    search: &'a Field<N>,
+    product: &'a mut Field<N>,
+    axial: &'a [Field<N>; DIRECTIONS],
+    transverse: &'a [[f32; N]; DIRECTIONS],
+    curvature: L::Sum,
+}
+
+impl<L: Lanes, const N: usize> Pass<L, 3> for Apply<'_, L, N> {
+    type Near = [L::F; 3];
+
+    #[inline(always)]
+    fn near(&self, lanes: L, at: usize) -> Self::Near {
+        lanes.vector(self.search, at)
+    }
+
+    #[inline(always)]
+    fn spring<const D: usize>(&mut self, lanes: L, near: Self::Near, at: usize, far: usize) -> [L::F; 3] {
+        let [bx, by, bz] = lanes.vector(self.search, far);
+        let [ax, ay, az] = near;
+        let (x, y, z) = (bx - ax, by - ay, bz - az);
+        let [gx, gy, gz] = lanes.vector(&self.axial[D], at);
+        let across = lanes.load(&self.transverse[D], at);
+        let stretch = gx * x + gy * y + gz * z;
+        [
+            gx * stretch + across * x,
+            gy * stretch + across * y,
+            gz * stretch + across * z,
+        ]
+    }
+
+    #[inline(always)]
+    fn node(&mut self, lanes: L, at: usize, begin: [L::F; 3], end: [L::F; 3]) {
+        let inertia = lanes.load(self.mass, at) * lanes.splat(self.inertia);
+        for c in 0..3 {
+            let search = lanes.load(&self.search[c], at);
+            let product = inertia * search - (begin[c] - end[c]);
+            lanes.store(product, &mut self.product[c], at);
+            self.curvature = lanes.add(self.curvature, at, search * product);
+        }
     }
 }
 
@@ -51,45 +120,8 @@ fn add_at<const N: usize>(values: &mut [f32; N], index: usize, add: f32) {
     }
 }
 
-/// Adds the springs' part: (g gᵀ + b I) on the difference of a spring's two ends.
-fn springs<const N: usize>(lattice: &Lattice<N>, work: &mut Work<N>) {
-    let offsets = lattice.offsets();
-    for low in (0..lattice.len()).step_by(BLOCK) {
-        let [ax, ay, az] = work.search.each_ref().map(|p| *window(p, low));
-        let mut own = [[0.0; BLOCK]; 3];
-        for direction in 0..DIRECTIONS {
-            let far = low + offsets[direction];
-            let [bx, by, bz] = work.search.each_ref().map(|p| window(p, far));
-            let [gx, gy, gz] = work.axial[direction].each_ref().map(|g| window(g, low));
-            let across = window(&work.transverse[direction], low);
-            let [qx, qy, qz] = &mut work.product;
-            let (Some(qx), Some(qy), Some(qz)) = (window_mut(qx, far), window_mut(qy, far), window_mut(qz, far)) else {
-                continue;
-            };
-            let [ox, oy, oz] = &mut own;
-            for l in 0..BLOCK {
-                let (x, y, z) = (bx[l] - ax[l], by[l] - ay[l], bz[l] - az[l]);
-                let stretch = gx[l] * x + gy[l] * y + gz[l] * z;
-                let tx = gx[l] * stretch + across[l] * x;
-                let ty = gy[l] * stretch + across[l] * y;
-                let tz = gz[l] * stretch + across[l] * z;
-                ox[l] -= tx;
-                oy[l] -= ty;
-                oz[l] -= tz;
-                qx[l] += tx;
-                qy[l] += ty;
-                qz[l] += tz;
-            }
-        }
-        for (product, own) in work.product.iter_mut().zip(&own) {
-            if let Some(product) = window_mut(product, low) {
-                product.iter_mut().zip(own).for_each(|(q, o)| *q += o);
-            }
-        }
-    }
-}
-
-/// Finds the wound's pairs that meet at the linearisation, adds their force to the residual and their stiffness to the diagonal.
+/// Finds the wound's pairs that meet at the linearisation, adds their force to the residual and their stiffness to the diagonal,
+/// at nodes that move.
 pub(super) fn meet<const N: usize>(faces: &Faces, work: &mut Work<N>) {
     let [place, ..] = &work.place;
     let ([residual, ..], [diagonal, ..]) = (&mut work.residual, &mut work.inverse_diagonal);
@@ -100,85 +132,24 @@ pub(super) fn meet<const N: usize>(faces: &Faces, work: &mut Work<N>) {
         let width = faces.width(*a, *b);
         *penalty = if width < 0.0 { faces.penalty } else { 0.0 };
         let push = -*penalty * width;
-        add_at(residual, left, -push);
-        add_at(residual, right, push);
-        add_at(diagonal, left, *penalty);
-        add_at(diagonal, right, *penalty);
-    }
-}
-
-/// Adds the points' force to the residual.
-pub(super) fn load_points<const N: usize>(coupling: &Coupling, work: &mut Work<N>) {
-    coupling.scatter(&coupling.force, &mut work.residual);
-}
-
-/// The points' part of the operator and of its preconditioner.
-///
-/// M = D + WᵀSW with D the operator's diagonal. By Woodbury M⁻¹ = D⁻¹ − D⁻¹Wᵀ T W D⁻¹ with T = (I + S G)⁻¹ S and
-/// G = W D⁻¹ Wᵀ: S may be singular (a slack thread) and as stiff as a link.
-pub(super) struct Points<'a> {
-    coupling: &'a Coupling,
-    schur: [[Mat3; POINTS]; POINTS],
-}
-
-impl<'a> Points<'a> {
-    /// Factors the points' part, one 9 × 9 elimination; `None` where nothing holds the tissue.
-    pub(super) fn new<const N: usize>(coupling: &'a Coupling, inverse_diagonal: &Field<N>) -> Option<Self> {
-        if coupling.is_idle() {
-            return None;
-        }
-        let mut stiffness = SMatrix::<f32, UNKNOWNS, UNKNOWNS>::zeros();
-        let mut compliance = stiffness;
-        for p in 0..POINTS {
-            for q in 0..POINTS {
-                stiffness
-                    .fixed_view_mut::<3, 3>(3 * p, 3 * q)
-                    .copy_from(&coupling.stiffness[p][q]);
-                let shared = overlap(coupling, [p, q], inverse_diagonal);
-                compliance.fixed_view_mut::<3, 3>(3 * p, 3 * q).set_diagonal(&shared);
-            }
-        }
-        let system = SMatrix::<f32, UNKNOWNS, UNKNOWNS>::identity() + stiffness * compliance;
-        let schur = system.lu().solve(&stiffness).unwrap_or_else(SMatrix::zeros);
-        Some(Self {
-            coupling,
-            schur: core::array::from_fn(|p| {
-                core::array::from_fn(|q| schur.fixed_view::<3, 3>(3 * p, 3 * q).into_owned())
-            }),
-        })
-    }
-}
-
-/// `work.scaled` = M⁻¹ · `work.residual`.
-pub(super) fn precondition<const N: usize>(points: Option<&Points<'_>>, n: usize, work: &mut Work<N>) {
-    let parts = work.scaled.iter_mut().zip(&work.inverse_diagonal).zip(&work.residual);
-    for ((scaled, inverse), residual) in parts {
-        for ((z, d), r) in scaled.iter_mut().zip(inverse).zip(residual).take(n) {
-            *z = d * r;
-        }
-    }
-    let Some(Points { coupling, schur }) = points else {
-        return;
-    };
-    let back = crate::coupling::product(schur, &coupling.gather(&work.scaled));
-    for (kernel, back) in coupling.kernels.iter().zip(&back) {
-        for (node, w) in kernel.iter() {
-            let inverse = crate::lattice::at(&work.inverse_diagonal, node);
-            crate::lattice::add(&mut work.scaled, node, -inverse.component_mul(back) * w);
+        for (node, push) in [(left, -push), (right, push)] {
+            let Some(inverse) = diagonal.get_mut(node).filter(|inverse| **inverse > 0.0) else {
+                continue;
+            };
+            add_at(residual, node, push);
+            // The inverse of the diagonal with the penalty added.
+            *inverse /= 1.0 + *penalty * *inverse;
         }
     }
 }
 
-/// Diagonal of W_p D⁻¹ W_qᵀ: both kernels are in ascending order.
-fn overlap<const N: usize>(coupling: &Coupling, [p, q]: [usize; 2], inverse_diagonal: &Field<N>) -> SVector<f32, 3> {
-    let (a, b) = (&coupling.kernels[p], &coupling.kernels[q]);
-    let mut sum = Vec3::zeros();
-    let mut others = b.iter().peekable();
-    for (node, w) in a.iter() {
-        while others.next_if(|(other, _)| *other < node).is_some() {}
-        if let Some((_, v)) = others.next_if(|(other, _)| *other == node) {
-            sum += crate::lattice::at(inverse_diagonal, node) * (w * v);
+/// Adds the points' force to the residual of the nodes that move.
+pub(super) fn load_points<const N: usize>(problem: &Problem<'_, N>, work: &mut Work<N>) {
+    let Problem { lattice, coupling, .. } = problem;
+    for (kernel, force) in coupling.kernels.iter().zip(&coupling.force) {
+        let moving = |(node, _): &(usize, f32)| lattice.free.get(*node).is_some_and(|free| *free > 0.0);
+        for (node, w) in kernel.iter().filter(moving) {
+            crate::lattice::add(&mut work.residual, node, force * w);
         }
     }
-    sum
 }

@@ -10,12 +10,13 @@ pub use params::ConfigError;
 use crate::coupling::{Coupling, RIGHT, TAIL};
 use crate::event::{Fault, Faults};
 use crate::hash::Hasher;
+use crate::lanes::Level;
 use crate::lattice::{Field, Lattice, Tissue};
 use crate::math::{Pose, Vec3, finite};
 use crate::needle::{self, Arc, Passage};
 use crate::record::{Output, Sample};
 use crate::safety::{self, Gate};
-use crate::solver::{Solver, Work};
+use crate::solver::{self, Choice, Problem, Solver, Work};
 use crate::stage::{self, Signs};
 use crate::thread::{self, Pull};
 use crate::tissue;
@@ -25,7 +26,7 @@ use sutura_shared::scene::Scene;
 
 /// Everything that grows with the lattice. All zeros is a valid empty one.
 #[derive(Clone, Debug, PartialEq, Zeroable)]
-#[repr(C)]
+#[repr(C, align(64))]
 pub struct Memory<const N: usize> {
     /// The patch.
     pub lattice: Lattice<N>,
@@ -53,16 +54,18 @@ struct State {
 #[derive(Debug)]
 pub struct Controller<'m, const N: usize> {
     memory: &'m mut Memory<N>,
+    level: Level,
     thread_work: thread::Work,
     running: Option<(Params, State)>,
 }
 
 impl<'m, const N: usize> Controller<'m, N> {
-    /// A controller without a scene: zero force.
+    /// A controller without a scene: zero force. Its passes run on `level`.
     #[must_use]
-    pub fn new(memory: &'m mut Memory<N>) -> Self {
+    pub fn new(memory: &'m mut Memory<N>, level: Level) -> Self {
         Self {
             memory,
+            level,
             thread_work: thread::Work::default(),
             running: None,
         }
@@ -86,7 +89,16 @@ impl<'m, const N: usize> Controller<'m, N> {
             field.iter_mut().for_each(|c| c.fill(0.0));
         }
         work.clear();
-        let params = Params::new(scene, material, lattice, tissue)?;
+        let alone = Problem {
+            lattice,
+            material: &material,
+            coupling: &Coupling::default(),
+            faces: None,
+            level: self.level,
+        };
+        let solver = Choice::new(scene.solver, &alone, work)?;
+        work.clear();
+        let params = Params::new(scene, (material, solver), lattice, tissue)?;
         self.running = Some((params, State::default()));
         Ok(())
     }
@@ -124,9 +136,9 @@ impl<'m, const N: usize> Controller<'m, N> {
         sewing::strain(params, state, &arc, (lattice, tissue), thread);
 
         // deform
-        let problem = params.problem(lattice, &coupling);
+        let problem = params.problem(lattice, &coupling, self.level);
         let moved = params.solver.advance(&problem, load, tissue, work);
-        let finite = moved.into_iter().all(finite) && work.is_finite(lattice.len());
+        let finite = moved.into_iter().all(finite) && solver::is_finite(self.level, lattice.len(), tissue);
         state.faults = state.faults.with(Fault::State, !finite);
 
         // force

@@ -1,23 +1,24 @@
 //! From a scene to coefficients: the only step that can fail.
 
 use crate::coupling::Coupling;
+use crate::lanes::Level;
 use crate::lattice::{Lattice, Tissue};
 use crate::law::Material;
 use crate::math::{Pose, Vec3};
 use crate::needle::{self, Point};
 use crate::safety;
-use crate::solver::{BePcg, Problem};
+use crate::solver::{Choice, Problem, Refused};
 use crate::surface::{self, Bridge};
 use crate::thread;
 use crate::tissue;
 use crate::wound::{self, Faces, Gap};
-use sutura_shared::scene::{self, Effect, Scene};
+use sutura_shared::scene::{Effect, Scene};
 
 /// Why a scene cannot run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ConfigError {
-    /// The scene names a solver that this controller has not.
-    Solver,
+    /// The solver cannot run this patch.
+    Solver(Refused),
     /// The lattice.
     Tissue(tissue::Error),
     /// The thread.
@@ -31,6 +32,12 @@ pub enum ConfigError {
 impl From<tissue::Error> for ConfigError {
     fn from(error: tissue::Error) -> Self {
         Self::Tissue(error)
+    }
+}
+
+impl From<Refused> for ConfigError {
+    fn from(refused: Refused) -> Self {
+        Self::Solver(refused)
     }
 }
 
@@ -50,7 +57,7 @@ impl From<thread::ConfigError> for ConfigError {
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Params {
     pub(super) material: Material,
-    pub(super) solver: BePcg,
+    pub(super) solver: Choice,
     pub(super) needle: needle::Params,
     pub(super) thread: Option<thread::Params>,
     /// Where the thread's tail is held.
@@ -72,12 +79,14 @@ impl Params {
         &'a self,
         lattice: &'a Lattice<N>,
         coupling: &'a Coupling,
+        level: Level,
     ) -> Problem<'a, N> {
         Problem {
             lattice,
             material: &self.material,
             coupling,
             faces: self.faces.as_ref().filter(|_| self.meet),
+            level,
         }
     }
 
@@ -89,13 +98,10 @@ impl Params {
 
     pub(super) fn new<const N: usize>(
         scene: &Scene,
-        material: Material,
+        (material, solver): (Material, Choice),
         lattice: &Lattice<N>,
         tissue: &Tissue<N>,
     ) -> Result<Self, ConfigError> {
-        let scene::Solver::BePcg { iterations, newton } = scene.solver else {
-            return Err(ConfigError::Solver);
-        };
         let needle = needle::Params::new(scene);
         let thread = match scene.thread.as_ref().filter(|_| scene.effects.has(Effect::Thread)) {
             Some(thread) => Some(thread::build(thread, scene.contact.coupling_n_per_m, scene.effects)?),
@@ -111,7 +117,7 @@ impl Params {
         }
         Ok(Self {
             material,
-            solver: BePcg { iterations, newton },
+            solver,
             needle,
             thread,
             tail,

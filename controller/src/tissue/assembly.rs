@@ -224,16 +224,11 @@ fn lower_end([x, y, _]: [i32; 3], direction: usize, end: u32) -> [u32; 3] {
 }
 
 fn hold_boundary<const N: usize>(lattice: &mut Lattice<N>) {
-    let [nx, ny, nz] = lattice.nodes;
-    for k in 0..nz {
-        for j in 0..ny {
-            for i in 0..nx {
-                let side = i == 0 || i + 1 == nx || j == 0 || j + 1 == ny || k == 0;
-                let index = lattice.index([i, j, k]);
-                if let (true, Some(free)) = (side, lattice.free.get_mut(index)) {
-                    *free = 0.0;
-                }
-            }
+    let [nx, ny, _] = lattice.nodes;
+    for ([i, j, k], index) in lattice.nodes() {
+        let side = i == 0 || i + 1 == nx || j == 0 || j + 1 == ny || k == 0;
+        if let (true, Some(free)) = (side, lattice.free.get_mut(index)) {
+            *free = 0.0;
         }
     }
 }

@@ -1,6 +1,7 @@
 //! A block of voxels as a scene without a hand, assembled.
 
 use sutura_controller::coupling::{Coupling, Kernel, LEFT, POINTS};
+use sutura_controller::lanes::Level;
 use sutura_controller::lattice::{Field, Lattice, Tissue, at};
 use sutura_controller::law::Material;
 use sutura_controller::math::{Mat3, Vec3};
@@ -131,8 +132,7 @@ impl Block {
 
     /// Column, row and layer of every node of the box with its index.
     pub(crate) fn nodes(&self) -> impl Iterator<Item = (usize, [u32; 3])> + use<> {
-        let [nx, ny, nz] = self.lattice.nodes;
-        (0..nx * ny * nz).map(move |n| (n as usize, [n % nx, n / nx % ny, n / nx / ny]))
+        self.lattice.nodes().map(|(at, n)| (n, at))
     }
 
     /// Moves every node to where `displacement` of its rest place says [m].
@@ -164,6 +164,7 @@ impl Block {
             material: &self.material,
             coupling: &Coupling::default(),
             faces,
+            level: Level::best(),
         };
         *elastic_force(&problem, &self.tissue, &mut self.work)
     }
@@ -175,6 +176,7 @@ impl Block {
             material: &self.material,
             coupling,
             faces,
+            level: Level::best(),
         };
         solver.advance(&problem, &self.load, &mut self.tissue, &mut self.work)
     }

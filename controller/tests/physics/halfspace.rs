@@ -65,7 +65,6 @@ fn influence(cells: [u16; 3], boundary: impl Fn(V) -> V) -> Influence {
     let mut lattice: Box<Lattice<LARGEST>> = bytemuck::zeroed_box();
     tissue::assemble(&scene, &vec![1; scene.lattice.count()], &mut lattice).unwrap();
     let [nx, ny, nz] = lattice.nodes;
-    let nodes = (0..nx * ny * nz).map(|n| [n % nx, n / nx % ny, n / nx / ny]);
     let far = |[i, j, k]: [u32; 3]| i + 1 == nx || j + 1 == ny || k == 0;
     let free = |node: [u32; 3]| {
         let moves = [node[0] > 0, node[1] > 0, true].map(|moves| moves && !far(node));
@@ -77,8 +76,13 @@ fn influence(cells: [u16; 3], boundary: impl Fn(V) -> V) -> Influence {
         let place = V::new(x, y, z + 1.0 - f64::from(nz));
         if far(node) { boundary(place) / scale } else { V::zeros() }
     };
-    let free: Vec<V> = nodes.clone().map(free).collect();
-    let given: Vec<V> = nodes.map(given).collect();
+    // Nodes that fill up a layer do not exist: they neither move nor bear.
+    let everywhere = |value: &dyn Fn([u32; 3]) -> V| {
+        let mut field = vec![V::zeros(); lattice.len()];
+        lattice.nodes().for_each(|(node, n)| field[n] = value(node));
+        field
+    };
+    let (free, given) = (everywhere(&free), everywhere(&given));
     let answer = |p: &[V]| {
         let mut product = product(&lattice, p);
         let parts = product.iter_mut().zip(&free);

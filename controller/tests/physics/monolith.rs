@@ -195,7 +195,11 @@ impl Monolith {
                 *sum += block;
             }
         }
-        let inverse: Vec<M> = blocks.iter().map(|block| block.try_inverse().unwrap()).collect();
+        // Nodes of the box that do not exist have no block, nor a residual.
+        let inverse: Vec<M> = blocks
+            .iter()
+            .map(|block| block.try_inverse().unwrap_or_default())
+            .collect();
         conjugate_gradients(residual, &inverse, 1e-14, |p| {
             let mut product: Vec<V> = own.iter().zip(p).map(|(own, p)| own * p).collect();
             product.push(V::zeros());

@@ -58,16 +58,22 @@ impl Springs {
             Law::Paper => (0.45, 0.25),
             Law::Volume { .. } => unreachable!("these are springs alone"),
         };
-        let [nx, ny, nz] = block.lattice.nodes.map(|n| n as usize);
-        let n = nx * ny * nz;
+        let n = block.lattice.len();
         let mut all = Self {
             springs: Vec::new(),
             mass: vec![0.0; n],
             free: block.lattice.free[..n].iter().map(|free| *free > 0.0).collect(),
         };
-        let lowest = (0..n).filter(|n| n % nx + 1 < nx && n / nx % ny + 1 < ny && n / nx / ny + 1 < nz);
-        for low in lowest {
-            let corner = |c: usize| low + (c & 1) + (c >> 1 & 1) * nx + (c >> 2) * nx * ny;
+        let [nx, ny, nz] = block.lattice.nodes;
+        let lowest = block
+            .nodes()
+            .filter(|(_, [i, j, k])| i + 1 < nx && j + 1 < ny && k + 1 < nz);
+        for (_, [i, j, k]) in lowest {
+            let corner = |c: usize| {
+                block
+                    .lattice
+                    .index([i + (c as u32 & 1), j + (c as u32 >> 1 & 1), k + (c as u32 >> 2)])
+            };
             for a in 0..8 {
                 all.mass[corner(a)] += f64::from(DENSITY) * pitch.powi(3) / 8.0;
                 for b in a + 1..8 {
@@ -81,7 +87,7 @@ impl Springs {
                     all.springs.push(Spring {
                         ends: [corner(a), corner(b)],
                         rest: V::new(along(0), along(1), along(2)),
-                        stiffness: stiffness * young(low / nx / ny) * pitch,
+                        stiffness: stiffness * young(k as usize) * pitch,
                     });
                 }
             }

@@ -2,6 +2,7 @@
 
 use std::thread::JoinHandle;
 
+use sutura_controller::lanes::Level;
 use sutura_controller::lattice::PC_NODES;
 use sutura_controller::rig::Rig;
 use sutura_controller::tick::Memory;
@@ -21,7 +22,7 @@ pub fn start(pace: Pace) -> std::io::Result<(ChannelTransport, JoinHandle<Ran>)>
     let (ours, theirs) = channel(PIECES);
     let body = move || {
         let mut memory: Box<Memory<PC_NODES>> = bytemuck::zeroed_box();
-        run_controller(theirs, Rig::new(&mut memory), pace)
+        run_controller(theirs, Rig::new(&mut memory, Level::best()), pace)
     };
     let thread = std::thread::Builder::new().name("controller".to_owned()).spawn(body)?;
     Ok((ours, thread))

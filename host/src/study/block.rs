@@ -72,17 +72,16 @@ impl Block {
 
     /// Lets every node move but those of the bottom layer.
     pub fn hold_bottom(&mut self) {
-        let [nx, ny, _] = self.lattice.nodes;
-        let n = self.lattice.len();
-        for (index, free) in self.lattice.free.iter_mut().enumerate().take(n) {
-            *free = if index < (nx * ny) as usize { 0.0 } else { 1.0 };
+        for ([_, _, k], index) in self.lattice.nodes() {
+            self.lattice.free[index] = if k == 0 { 0.0 } else { 1.0 };
         }
     }
 
     /// Gives every node the mass `kg`.
     pub fn weigh(&mut self, kg: f32) {
-        let n = self.lattice.len();
-        self.lattice.mass.iter_mut().take(n).for_each(|mass| *mass = kg);
+        for (_, index) in self.lattice.nodes() {
+            self.lattice.mass[index] = kg;
+        }
     }
 
     /// Distinct springs.

@@ -4,7 +4,7 @@ use std::fmt::{self, Display, Formatter};
 use std::str::FromStr;
 
 use sutura_controller::lattice::PC_NODES;
-use sutura_controller::solver::{self, BePcg};
+use sutura_controller::solver::{self, BePcg, Explicit};
 use sutura_shared::scene::{NoSolver, Solver};
 
 use super::block::Block;
@@ -44,6 +44,7 @@ impl Method {
     pub fn build(self, block: &Block) -> Option<Boxed> {
         match self {
             Self::Controller(Solver::BePcg { iterations, newton }) => Some(Box::new(BePcg { iterations, newton })),
+            Self::Controller(Solver::Explicit { substeps }) => Some(Box::new(Explicit { substeps })),
             Self::Controller(_) => None,
             Self::Xpbd { substeps } => Some(Box::new(Xpbd { substeps })),
             Self::Pd { iterations } => Pd::new(block, iterations).map(|pd| Box::new(pd) as Boxed),

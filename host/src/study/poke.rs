@@ -99,7 +99,7 @@ pub fn run(request: &Request, interrupted: &AtomicBool, mut progress: impl FnMut
     let springs = poke.block.springs();
     let us_per_tick = TickTime::of(record.ns);
     Ok(Report {
-        nodes: poke.block.lattice.len(),
+        nodes: poke.block.lattice.nodes().count(),
         springs,
         solver: method.to_string(),
         finite: end.is_finite()

@@ -11,7 +11,7 @@ const FOLDER: &str = "controller/src/";
 const FLOORS: [&[&str]; 14] = [
     // Plain arithmetic.
     &["math"],
-    &["hash"],
+    &["hash", "lanes"],
     // Immutable parameters and everything that changes: plain data.
     &["lattice", "event"],
     // What holds the tissue: weighted points of the lattice.

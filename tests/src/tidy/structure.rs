@@ -26,7 +26,7 @@ const PICTURE: [Package; 7] = [
         folder: "controller",
         name: "sutura-controller",
         ours: &["sutura-shared"],
-        theirs: Some(&["nalgebra", "heapless", "libm", "bytemuck"]),
+        theirs: Some(&["nalgebra", "heapless", "libm", "bytemuck", "fearless_simd"]),
     },
     Package {
         folder: "controller/rt",

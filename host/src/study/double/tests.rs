@@ -139,7 +139,8 @@ fn the_fastest_vibration_of_one_spring_is_its_own() {
             family.stiffness.fill(0.0);
         }
     }
-    let expected = (0.25 * 0.45 * 1e5 * 2e-3 / model.mass[7]).sqrt();
+    let mass = model.mass.iter().copied().fold(0.0, f64::max);
+    let expected = (0.25 * 0.45 * 1e5 * 2e-3 / mass).sqrt();
     assert!((model.fastest() / expected - 1.0).abs() < 1e-5);
 }
 

@@ -2,6 +2,7 @@
 
 use bytemuck::zeroed_box;
 use sutura_controller::coupling::Coupling;
+use sutura_controller::lanes::Level;
 use sutura_controller::lattice::{Field, PC_NODES, Tissue, at};
 use sutura_controller::math::TICK_HZ;
 use sutura_controller::solver::{Problem, Solver, Work};
@@ -75,6 +76,7 @@ impl Poke {
             material: &self.block.material,
             coupling: &coupling,
             faces: None,
+            level: Level::best(),
         };
         for tick in 1..=ticks {
             self.set_velocity(tick, &mut state.tissue);

@@ -12,7 +12,11 @@ use crate::study::double::V;
 pub(super) fn write(request: &Request, poke: &Poke, end: &State, forces: &[V]) -> Result<(), Error> {
     if let Some(path) = &request.positions {
         let rest = |node| poke.block.lattice.rest_place(node).map(f64::from);
-        let places = (0..poke.block.lattice.len()).map(|node| rest(node) + end.displacement(node));
+        let places = poke
+            .block
+            .lattice
+            .nodes()
+            .map(|(_, node)| rest(node) + end.displacement(node));
         let lines = places.map(|place| format!("{},{},{}", place.x, place.y, place.z));
         table(path, "x_m,y_m,z_m", lines)?;
     }

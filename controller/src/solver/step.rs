@@ -1,0 +1,53 @@
+//! From a tick's velocity to its displacement and back.
+
+use super::Work;
+use crate::lanes::Lanes;
+use crate::lattice::Tissue;
+use crate::math::DT;
+
+/// A displacement within a tick, and one from rest, below which a node is still [m]: a thousandth of an atom. Motion that dies
+/// out would otherwise end in subnormal numbers, which cost a hundred times the time.
+const STILL: f32 = 1e-15;
+const REST: f32 = 1e-13;
+
+/// `work.step` = dt v.
+#[inline(always)]
+pub(super) fn predict_step<L: Lanes, const N: usize>(lanes: L, n: usize, tissue: &Tissue<N>, work: &mut Work<N>) {
+    for (step, velocity) in work.step.iter_mut().zip(&tissue.velocity) {
+        for at in (0..n).step_by(L::WIDTH) {
+            lanes.store(lanes.splat(DT) * lanes.load(velocity, at), step, at);
+        }
+    }
+}
+
+/// x + u, and v = u/dt.
+#[inline(always)]
+pub(super) fn take_step<L: Lanes, const N: usize>(lanes: L, n: usize, tissue: &mut Tissue<N>, work: &Work<N>) {
+    let parts = tissue.displacement.iter_mut().zip(&mut tissue.velocity).zip(&work.step);
+    for ((displacement, velocity), step) in parts {
+        for at in (0..n).step_by(L::WIDTH) {
+            let step = moving(lanes, lanes.load(step, at), STILL);
+            let place = moving(lanes, lanes.load(displacement, at) + step, REST);
+            lanes.store(place, displacement, at);
+            lanes.store(step / lanes.splat(DT), velocity, at);
+        }
+    }
+}
+
+/// `x`, or zero where it is smaller than `still` either way; what is not a number stays so.
+#[inline(always)]
+fn moving<L: Lanes>(lanes: L, x: L::F, still: f32) -> L::F {
+    x - lanes.where_positive(lanes.splat(still * still) - x * x, x)
+}
+
+/// Brings to rest what moves less than a number can hold well.
+#[inline(always)]
+pub(super) fn still<L: Lanes, const N: usize>(lanes: L, n: usize, tissue: &mut Tissue<N>) {
+    for (values, still) in [(&mut tissue.displacement, REST), (&mut tissue.velocity, STILL / DT)] {
+        for values in values {
+            for at in (0..n).step_by(L::WIDTH) {
+                lanes.store(moving(lanes, lanes.load(values, at), still), values, at);
+            }
+        }
+    }
+}
