@@ -56,6 +56,19 @@ pub trait Lanes: Copy {
     }
 }
 
+/// `at`, or the last index from which whole lanes lie within `N` numbers: never reached where [`crate::lattice::Lattice::guard`] holds,
+/// it tells the compiler that the loads and stores at this index need no check.
+#[inline(always)]
+pub(crate) fn within<L: Lanes, const N: usize>(at: usize) -> usize {
+    at.min(N.saturating_sub(L::WIDTH))
+}
+
+/// Indices of the lanes that cover the first `n` of `N` numbers.
+#[inline(always)]
+pub(crate) fn blocks<L: Lanes, const N: usize>(n: usize) -> impl Iterator<Item = usize> {
+    (0..n).step_by(L::WIDTH).map(within::<L, N>)
+}
+
 /// One number at a time, on any target.
 #[derive(Clone, Copy, Debug)]
 pub struct Single;

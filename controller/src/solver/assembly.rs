@@ -7,7 +7,7 @@
 use super::spring::{Spring, follow, measure, pull, rest_length};
 use super::sweep::{Pass, sweep};
 use super::{Problem, Work, operator};
-use crate::lanes::{Lanes, run_on};
+use crate::lanes::{Lanes, blocks, run_on};
 use crate::lattice::{DIRECTIONS, Field, Tissue};
 use crate::math::DT;
 
@@ -55,7 +55,7 @@ pub(super) fn linearise<L: Lanes, const N: usize>(
 fn advance_place<L: Lanes, const N: usize>(lanes: L, n: usize, tissue: &Tissue<N>, work: &mut Work<N>) {
     let parts = work.place.iter_mut().zip(&tissue.displacement).zip(&work.step);
     for ((place, displacement), step) in parts {
-        for at in (0..n).step_by(L::WIDTH) {
+        for at in blocks::<L, N>(n) {
             let sum = lanes.load(displacement, at) + lanes.load(step, at);
             lanes.store(sum, place, at);
         }

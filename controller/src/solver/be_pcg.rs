@@ -5,7 +5,7 @@ use super::points::Points;
 use super::step::{predict_step, take_step};
 use super::{Problem, Solver, Work, assembly};
 use crate::coupling::POINTS;
-use crate::lanes::{Lanes, run_on};
+use crate::lanes::{Lanes, blocks, run_on};
 use crate::lattice::{Field, Tissue};
 use crate::math::Vec3;
 
@@ -55,7 +55,7 @@ impl BePcg {
             let further = coupling.gather(&work.solution);
             moved.iter_mut().zip(&further).for_each(|(m, f)| *m += f);
             for (step, solution) in work.step.iter_mut().zip(&work.solution) {
-                for at in (0..n).step_by(L::WIDTH) {
+                for at in blocks::<L, N>(n) {
                     lanes.store(lanes.load(step, at) + lanes.load(solution, at), step, at);
                 }
             }
@@ -107,7 +107,7 @@ fn reduce<L: Lanes, const N: usize>(
     let mut sum = lanes.nothing();
     let parts = work.residual.iter_mut().zip(&work.product).zip(&work.inverse_diagonal);
     for ((residual, product), inverse) in parts {
-        for at in (0..n).step_by(L::WIDTH) {
+        for at in blocks::<L, N>(n) {
             let left = lanes.load(residual, at) - lanes.splat(along) * lanes.load(product, at);
             lanes.store(left, residual, at);
             sum = lanes.add(sum, at, left * left * lanes.load(inverse, at));
@@ -131,7 +131,7 @@ fn turn<L: Lanes, const N: usize>(
 ) {
     let parts = work.solution.iter_mut().zip(&mut work.search);
     for ((solution, search), (residual, inverse)) in parts.zip(work.residual.iter().zip(&work.inverse_diagonal)) {
-        for at in (0..n).step_by(L::WIDTH) {
+        for at in blocks::<L, N>(n) {
             let before = lanes.load(search, at);
             let sum = lanes.load(solution, at) + lanes.splat(along) * before;
             lanes.store(sum, solution, at);

@@ -9,7 +9,7 @@ use super::step::still;
 use super::sweep::{Pass, sweep};
 use super::{Problem, Solver, Work, predict};
 use crate::coupling::POINTS;
-use crate::lanes::{Lanes, run_on};
+use crate::lanes::{Lanes, blocks, run_on};
 use crate::lattice::{Field, Tissue, add, at};
 use crate::math::{DT, Vec3};
 
@@ -57,7 +57,7 @@ fn fold<L: Lanes, const N: usize>(lanes: L, problem: &Problem<'_, N>, step: f32,
     let lattice = problem.lattice;
     let kept = 1.0 / (1.0 + problem.material.mass_damping * step);
     let [answer, keep, _] = &mut work.residual;
-    for at in (0..lattice.len()).step_by(L::WIDTH) {
+    for at in blocks::<L, N>(lattice.len()) {
         let free = lanes.load(&lattice.free, at);
         let per_newton = lanes.splat(kept * step) / lanes.load(&lattice.mass, at);
         let per_newton = lanes.where_positive(free, per_newton);

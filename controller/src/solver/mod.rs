@@ -18,7 +18,7 @@ pub use explicit::Explicit;
 pub use spectrum::fewest_substeps;
 
 use crate::coupling::Coupling;
-use crate::lanes::{Lanes, Level, run_on};
+use crate::lanes::{Lanes, Level, blocks, run_on};
 use crate::lattice::{DIRECTIONS, Field, Lattice, Tissue};
 use crate::law::Material;
 use crate::math::Vec3;
@@ -117,7 +117,7 @@ pub fn is_finite<const N: usize>(level: Level, n: usize, tissue: &Tissue<N>) -> 
 fn square_sum<L: Lanes, const N: usize>(lanes: L, n: usize, tissue: &Tissue<N>) -> f32 {
     let mut sum = lanes.nothing();
     for values in tissue.velocity.iter().chain(&tissue.displacement) {
-        for at in (0..n).step_by(L::WIDTH) {
+        for at in blocks::<L, N>(n) {
             let x = lanes.load(values, at);
             sum = lanes.add(sum, at, x * x);
         }

@@ -2,7 +2,7 @@
 
 use super::operator::springs;
 use super::{Problem, Work};
-use crate::lanes::{Lanes, run_on};
+use crate::lanes::{Lanes, blocks, run_on};
 use crate::lattice::{DIRECTIONS, EDGES, STEPS};
 use crate::math::{DT, sqrt};
 
@@ -50,7 +50,7 @@ fn fastest<L: Lanes, const N: usize>(lanes: L, problem: &Problem<'_, N>, work: &
 fn weigh<L: Lanes, const N: usize>(lanes: L, problem: &Problem<'_, N>, work: &Work<N>) -> f32 {
     let mut sum = lanes.nothing();
     for search in &work.search {
-        for at in (0..problem.lattice.len()).step_by(L::WIDTH) {
+        for at in blocks::<L, N>(problem.lattice.len()) {
             let x = lanes.load(search, at);
             sum = lanes.add(sum, at, lanes.load(&problem.lattice.mass, at) * x * x);
         }
@@ -63,7 +63,7 @@ fn weigh<L: Lanes, const N: usize>(lanes: L, problem: &Problem<'_, N>, work: &Wo
 fn divide<L: Lanes, const N: usize>(lanes: L, problem: &Problem<'_, N>, value: f32, work: &mut Work<N>) {
     let lattice = problem.lattice;
     for (search, product) in work.search.iter_mut().zip(&work.product) {
-        for at in (0..lattice.len()).step_by(L::WIDTH) {
+        for at in blocks::<L, N>(lattice.len()) {
             let quotient = lanes.load(product, at) / (lanes.load(&lattice.mass, at) * lanes.splat(value));
             lanes.store(
                 lanes.where_positive(lanes.load(&lattice.free, at), quotient),
@@ -80,7 +80,7 @@ fn stiffen<L: Lanes, const N: usize>(lanes: L, problem: &Problem<'_, N>, work: &
     let (lattice, material) = (problem.lattice, problem.material);
     for d in 0..DIRECTIONS {
         work.transverse[d].fill(0.0);
-        for at in (0..lattice.len()).step_by(L::WIDTH) {
+        for at in blocks::<L, N>(lattice.len()) {
             let mut stiffness = lanes.splat(0.0);
             for (curve, first) in material.curves.iter().zip(&lattice.stiffness) {
                 let breaks = if d < EDGES { &curve.edge } else { &curve.diagonal };

@@ -1,7 +1,7 @@
 //! From a tick's velocity to its displacement and back.
 
 use super::Work;
-use crate::lanes::Lanes;
+use crate::lanes::{Lanes, blocks};
 use crate::lattice::Tissue;
 use crate::math::DT;
 
@@ -14,7 +14,7 @@ const REST: f32 = 1e-13;
 #[inline(always)]
 pub(super) fn predict_step<L: Lanes, const N: usize>(lanes: L, n: usize, tissue: &Tissue<N>, work: &mut Work<N>) {
     for (step, velocity) in work.step.iter_mut().zip(&tissue.velocity) {
-        for at in (0..n).step_by(L::WIDTH) {
+        for at in blocks::<L, N>(n) {
             lanes.store(lanes.splat(DT) * lanes.load(velocity, at), step, at);
         }
     }
@@ -25,7 +25,7 @@ pub(super) fn predict_step<L: Lanes, const N: usize>(lanes: L, n: usize, tissue:
 pub(super) fn take_step<L: Lanes, const N: usize>(lanes: L, n: usize, tissue: &mut Tissue<N>, work: &Work<N>) {
     let parts = tissue.displacement.iter_mut().zip(&mut tissue.velocity).zip(&work.step);
     for ((displacement, velocity), step) in parts {
-        for at in (0..n).step_by(L::WIDTH) {
+        for at in blocks::<L, N>(n) {
             let step = moving(lanes, lanes.load(step, at), STILL);
             let place = moving(lanes, lanes.load(displacement, at) + step, REST);
             lanes.store(place, displacement, at);
@@ -45,7 +45,7 @@ fn moving<L: Lanes>(lanes: L, x: L::F, still: f32) -> L::F {
 pub(super) fn still<L: Lanes, const N: usize>(lanes: L, n: usize, tissue: &mut Tissue<N>) {
     for (values, still) in [(&mut tissue.displacement, REST), (&mut tissue.velocity, STILL / DT)] {
         for values in values {
-            for at in (0..n).step_by(L::WIDTH) {
+            for at in blocks::<L, N>(n) {
                 lanes.store(moving(lanes, lanes.load(values, at), still), values, at);
             }
         }

@@ -3,7 +3,7 @@
 //! Layer by layer, what the springs of each direction give their lower nodes is kept (two layers at a time, so it stays in the cache), and
 //! then gathered at both ends: plain loads and stores at fixed distances, no index list and nothing added in memory.
 
-use crate::lanes::Lanes;
+use crate::lanes::{Lanes, within};
 use crate::lattice::{DIRECTIONS, EDGES, Lattice};
 use bytemuck::Zeroable;
 
@@ -72,19 +72,31 @@ pub(super) fn sweep<L: Lanes, P: Pass<L, K>, const K: usize, const N: usize>(
         }
         for i in (0..layer).step_by(L::WIDTH) {
             let Given { by, lower } = &*given;
+            let at = within::<L, N>(k * layer + i);
+            let own = within::<L, N>(i);
+            let [px, py, pz, pa, pb, pc, pd] = [
+                here + i - 1,
+                here + i - nx,
+                below + i,
+                below + i - nx - 1,
+                below + i + 1 - nx,
+                below + i + nx - 1,
+                below + i + nx + 1,
+            ]
+            .map(within::<L, N>);
             let (mut begin, mut end) = ([lanes.splat(0.0); K], [lanes.splat(0.0); K]);
             for n in 0..K {
                 let [x, y, z, a, b, c, d] = by;
-                begin[n] = lanes.load(&lower[n], i);
-                end[n] = lanes.load(&x[n], here + i - 1)
-                    + lanes.load(&y[n], here + i - nx)
-                    + lanes.load(&z[n], below + i)
-                    + lanes.load(&a[n], below + i - nx - 1)
-                    + lanes.load(&b[n], below + i + 1 - nx)
-                    + lanes.load(&c[n], below + i + nx - 1)
-                    + lanes.load(&d[n], below + i + nx + 1);
+                begin[n] = lanes.load(&lower[n], own);
+                end[n] = lanes.load(&x[n], px)
+                    + lanes.load(&y[n], py)
+                    + lanes.load(&z[n], pz)
+                    + lanes.load(&a[n], pa)
+                    + lanes.load(&b[n], pb)
+                    + lanes.load(&c[n], pc)
+                    + lanes.load(&d[n], pd);
             }
-            pass.node(lanes, k * layer + i, begin, end);
+            pass.node(lanes, at, begin, end);
         }
     }
 }
@@ -98,12 +110,13 @@ fn springs<L: Lanes, P: Pass<L, K>, const K: usize, const N: usize>(
     [at, keep, i]: [usize; 3],
     top: bool,
 ) {
+    let [at, keep, i] = [at, keep, i].map(within::<L, N>);
     let near = pass.near(lanes, at);
     let mut sum = [lanes.splat(0.0); K];
     macro_rules! give {
         ($($direction:literal)*) => {
             $(
-                let one = pass.spring::<$direction>(lanes, near, at, at + offsets[$direction]);
+                let one = pass.spring::<$direction>(lanes, near, at, within::<L, N>(at + offsets[$direction]));
                 for n in 0..K {
                     lanes.store(one[n], &mut given.by[$direction][n], keep);
                     sum[n] = sum[n] + one[n];
