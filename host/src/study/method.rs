@@ -3,8 +3,11 @@
 use std::fmt::{self, Display, Formatter};
 use std::str::FromStr;
 
+use bytemuck::zeroed_box;
+use sutura_controller::coupling::Coupling;
+use sutura_controller::lanes::Level;
 use sutura_controller::lattice::PC_NODES;
-use sutura_controller::solver::{self, BePcg, Explicit};
+use sutura_controller::solver::{self, Choice, Explicit, Problem, Refused};
 use sutura_shared::scene::{NoSolver, Solver};
 
 use super::block::Block;
@@ -39,15 +42,36 @@ const MOST: u16 = 1000;
 pub type Boxed = Box<dyn solver::Solver<PC_NODES>>;
 
 impl Method {
-    /// The solver itself for a block as it is held now; `None` where there is none.
-    #[must_use]
-    pub fn build(self, block: &Block) -> Option<Boxed> {
+    /// The solver itself for a block as it is held now, and the method with the count of substeps that it has chosen.
+    ///
+    /// # Errors
+    /// See [`NotBuilt`].
+    pub fn build(self, block: &Block) -> Result<(Self, Boxed), NotBuilt> {
         match self {
-            Self::Controller(Solver::BePcg { iterations, newton }) => Some(Box::new(BePcg { iterations, newton })),
-            Self::Controller(Solver::Explicit { substeps }) => Some(Box::new(Explicit { substeps })),
-            Self::Controller(_) => None,
-            Self::Xpbd { substeps } => Some(Box::new(Xpbd { substeps })),
-            Self::Pd { iterations } => Pd::new(block, iterations).map(|pd| Box::new(pd) as Boxed),
+            Self::Controller(solver) => {
+                let coupling = Coupling::default();
+                let problem = Problem {
+                    lattice: &block.lattice,
+                    material: &block.material,
+                    coupling: &coupling,
+                    faces: None,
+                    level: Level::best(),
+                };
+                let choice = Choice::new(solver, &problem, &mut zeroed_box()).map_err(|refused| match refused {
+                    Refused::Unstable { least } => NotBuilt::Unstable { method: self, least },
+                    Refused::Missing => NotBuilt::Missing { method: self },
+                })?;
+                let method = match choice {
+                    Choice::Explicit(Explicit { substeps }) => Self::explicit(substeps),
+                    _ => self,
+                };
+                Ok((method, Box::new(choice)))
+            }
+            Self::Xpbd { substeps } => Ok((self, Box::new(Xpbd { substeps }))),
+            Self::Pd { iterations } => {
+                let pd = Pd::new(block, iterations).ok_or(NotBuilt::Missing { method: self })?;
+                Ok((self, Box::new(pd)))
+            }
         }
     }
 
@@ -111,6 +135,25 @@ impl FromStr for Method {
             _ => Ok(Self::Controller(text.parse()?)),
         }
     }
+}
+
+/// Why a method has no solver for a block; one line each.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+pub enum NotBuilt {
+    /// Too few substeps.
+    #[error("{method} is unstable on this block: explicit:{least} is the smallest stable count")]
+    Unstable {
+        /// What was asked for.
+        method: Method,
+        /// The smallest stable count.
+        least: u16,
+    },
+    /// There is no such solver.
+    #[error("there is no solver {method} for this block")]
+    Missing {
+        /// What was asked for.
+        method: Method,
+    },
 }
 
 /// Why a text names no method.

@@ -24,7 +24,7 @@ use self::drive::Poke;
 use self::errors::Comparison;
 use super::block::{self, Block, Spec};
 use super::double::{Model, NoEquilibrium, V};
-use super::method::Method;
+use super::method::{Method, NotBuilt};
 use super::path::Course;
 use crate::run::report::TickTime;
 
@@ -34,8 +34,6 @@ pub const TICKS_MAX: u32 = 60_000;
 pub const DAMPING_PER_S: f64 = 50.0;
 /// Part of the largest stable step above which an explicit run is warned about.
 const NEAR: f64 = 0.9;
-/// By how much springs that are stretched and turned may exceed the fastest vibration at rest.
-const MARGIN: f64 = 1.02;
 
 /// What to poke, and how.
 #[derive(Clone, Debug, PartialEq)]
@@ -69,8 +67,8 @@ pub fn run(request: &Request, interrupted: &AtomicBool, mut progress: impl FnMut
         return Err(Error::Volume { method: request.method });
     }
     let (poke, model) = prepare(request)?;
-    let method = stable(request.method, &model)?;
-    let solver = method.build(&poke.block).ok_or(Error::NoSolver { method })?;
+    let (method, solver) = request.method.build(&poke.block)?;
+    warn_near(method, &model);
     let go_on = || match interrupted.load(Ordering::Relaxed) {
         true => Err(Error::Interrupted),
         false => Ok(()),
@@ -152,25 +150,15 @@ fn prepare(request: &Request) -> Result<(Poke, Model), Error> {
     Ok((Poke { block, node, course }, model))
 }
 
-/// The method with its substeps, where it has some and leaves them out; refused where they are too few.
-fn stable(method: Method, model: &Model) -> Result<Method, Error> {
-    let Some(substeps) = method.explicit_substeps() else {
-        return Ok(method);
-    };
-    // Symplectic Euler: h < 2/ω.
-    let fewest = MARGIN * model.fastest() / (2.0 * f64::from(TICK_HZ));
-    let least = fewest.ceil().max(1.0) as u16;
-    match substeps {
-        0 => Ok(Method::explicit(least)),
-        1.. if f64::from(substeps) < fewest => Err(Error::Unstable { substeps, least }),
-        1.. => {
-            if f64::from(substeps) * NEAR < fewest {
-                tracing::warn!(
-                    "explicit:{substeps} is close to unstable: its step is {:.0} % of the largest stable one",
-                    100.0 * fewest / f64::from(substeps)
-                );
-            }
-            Ok(method)
+/// Says where an explicit step is close to the largest stable one, 2/ω.
+fn warn_near(method: Method, model: &Model) {
+    if let Some(substeps) = method.explicit_substeps() {
+        let part = model.fastest() / (2.0 * f64::from(TICK_HZ) * f64::from(substeps));
+        if part > NEAR {
+            tracing::warn!(
+                "{method} is close to unstable: its step is {:.0} % of the largest stable one",
+                100.0 * part
+            );
         }
     }
 }
@@ -192,23 +180,12 @@ pub enum Error {
         /// Nodes along x, y, z.
         nodes: [u32; 3],
     },
-    /// Too few substeps.
-    #[error("explicit:{substeps} is unstable on this block: explicit:{least} is the smallest stable count")]
-    Unstable {
-        /// Substeps asked for.
-        substeps: u16,
-        /// The smallest stable count.
-        least: u16,
-    },
+    /// The solver.
+    #[error(transparent)]
+    Method(#[from] NotBuilt),
     /// A comparator and the law `volume`.
     #[error("{method} takes springs alone: law volume needs one of the controller's own solvers")]
     Volume {
-        /// What was asked for.
-        method: Method,
-    },
-    /// The controller has no such solver.
-    #[error("there is no solver {method} for this block")]
-    NoSolver {
         /// What was asked for.
         method: Method,
     },

@@ -1,7 +1,7 @@
 //! The fastest vibration of a model, which bounds the step of an explicit scheme.
 
 use super::tangent::{Form, Tangent};
-use super::{Field, Model};
+use super::{Family, Field, Model};
 
 /// Power iterations; the largest eigenvalue is then known to about a thousandth.
 const ITERATIONS: usize = 400;
@@ -41,5 +41,19 @@ impl Model {
             mode.blend(0.0, 1.0 / size, &image);
         }
         square.sqrt()
+    }
+
+    /// How far the slope of any spring at displacements `at` is above the steepest of its curve, as a ratio ≥ 1: locked springs have
+    /// slopes without a bound.
+    #[must_use]
+    pub fn steepness(&self, at: &Field) -> f64 {
+        let of = |family: &Family| {
+            let slopes = family.springs().map(|low| {
+                let spring = family.stretch(low, at.get(low + family.offset) - at.get(low));
+                spring.slope / (family.stiffness[low] * family.curve.steepest)
+            });
+            slopes.fold(1.0, f64::max)
+        };
+        self.families.iter().map(of).fold(1.0, f64::max)
     }
 }

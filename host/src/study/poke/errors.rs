@@ -7,7 +7,8 @@ use super::drive::{Poke, State};
 use crate::study::double::{March, Model, Moved, NoEquilibrium, V};
 use crate::study::method::Method;
 
-/// Substeps of the explicit reference: the tick over 200, or what makes its step half of the largest stable one.
+/// Substeps of the explicit reference: the tick over 200, or what makes its step half of the largest stable one, with springs as steep
+/// as they are at the tick's start.
 const SUBSTEPS: u32 = 200;
 
 /// Errors, each relative to the root mean square of the converged solution over the whole run.
@@ -26,8 +27,8 @@ pub(super) struct Comparison<'a> {
     poke: &'a Poke,
     model: &'a Model,
     march: March<'a>,
-    /// Substeps of the reference; none for backward Euler.
-    substeps: Option<u32>,
+    /// Largest angular frequency that an explicit reference has to resolve [rad/s]; none for backward Euler.
+    fastest: Option<f64>,
     ticks: f64,
     force: [f64; 2],
     force_most: f64,
@@ -37,13 +38,11 @@ pub(super) struct Comparison<'a> {
 impl<'a> Comparison<'a> {
     /// At rest; `method` says which equation is solved.
     pub(super) fn new(poke: &'a Poke, model: &'a Model, method: Method) -> Self {
-        // Twice the fewest stable, ω dt/2.
-        let stable = || (model.fastest() / f64::from(TICK_HZ)).ceil() as u32;
         Self {
             poke,
             model,
             march: March::new(model),
-            substeps: method.is_substepped().then(|| stable().max(SUBSTEPS)),
+            fastest: method.is_substepped().then(|| model.fastest()),
             ticks: 0.0,
             force: [0.0; 2],
             force_most: 0.0,
@@ -57,8 +56,13 @@ impl<'a> Comparison<'a> {
             node: self.poke.node,
             place: V::from(self.poke.place(state.tick).map(f64::from)),
         };
-        match self.substeps {
-            Some(substeps) => self.march.symplectic_euler(moved, substeps),
+        match self.fastest {
+            Some(fastest) => {
+                let now = fastest * self.model.steepness(&self.march.displacement).sqrt();
+                // Stable are ω dt/2 and more.
+                let substeps = (now / f64::from(TICK_HZ)).ceil() as u32;
+                self.march.symplectic_euler(moved, substeps.max(SUBSTEPS));
+            }
             None => self.march.backward_euler(moved)?,
         }
         let converged = &self.march.displacement;
