@@ -13,6 +13,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 use sutura::geometry::units::Units;
 use sutura::voxelize::{self, Resolution};
 use sutura::{run, scene};
+use sutura_controller::lanes::Level;
 use tracing_subscriber::EnvFilter;
 
 /// A haptic suture simulator: a curved needle and its thread close a wound in soft tissue.
@@ -60,6 +61,9 @@ struct RunArgs {
     /// Folder for force.csv and force.png.
     #[arg(long, value_name = "DIR", default_value = "sutura-out")]
     out: PathBuf,
+    /// Instructions to run on, instead of the best this processor has: off, sse2, sse4.2, avx2 or avx512. Results are the same.
+    #[arg(long, value_name = "LEVEL", value_parser = cli::flags::simd)]
+    simd: Option<Level>,
     /// The result as one JSON object on the last line of stdout.
     #[arg(long)]
     json: bool,
@@ -127,6 +131,7 @@ fn run_scene(args: RunArgs) -> ExitCode {
         meshes: args.mesh,
         seconds: args.seconds,
         realtime: args.realtime,
+        level: args.simd.unwrap_or_else(Level::best),
         out: args.out,
     };
     let interrupted = interrupt();

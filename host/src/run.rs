@@ -9,6 +9,7 @@ use std::ops::ControlFlow;
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
 
+use sutura_controller::lanes::Level;
 use sutura_controller::record::{Fault, Faults};
 use sutura_shared::message::{Telemetry, ToHost, UploadError};
 use sutura_shared::scene::{Effect, Stage};
@@ -93,7 +94,7 @@ fn session(
     mut progress: impl FnMut(&Telemetry),
 ) -> Result<Session, Error> {
     let pace = if request.realtime { Pace::Realtime } else { Pace::Free };
-    let (transport, thread) = embedded::start(pace).map_err(Error::Thread)?;
+    let (transport, thread) = embedded::start(pace, request.level).map_err(Error::Thread)?;
     let mut link = Link::connect(transport)?;
     link.upload(&built.scene, &built.cells)?;
     let mut log = Log::default();
@@ -196,6 +197,8 @@ pub struct Request {
     pub seconds: Option<f64>,
     /// Whether a second of the simulation takes a second.
     pub realtime: bool,
+    /// What the controller's passes run on.
+    pub level: Level,
     /// Folder for the files.
     pub out: PathBuf,
 }

@@ -8,6 +8,7 @@ use sutura::run::report::Report;
 use sutura::run::{self, Error, Request};
 use sutura::scene;
 use sutura::scene::build::{self, Built};
+use sutura_controller::lanes::Level;
 use sutura_controller::lattice::PC_NODES;
 use sutura_controller::rig::Rig;
 use sutura_controller::tick::{Controller, Memory};
@@ -46,6 +47,7 @@ pub fn run(scene: Option<PathBuf>) -> Result<Report, Error> {
         meshes: Vec::new(),
         seconds: None,
         realtime: false,
+        level: Level::best(),
         out: out.path().to_owned(),
     };
     run::run(&request, &AtomicBool::new(false), |_| {})

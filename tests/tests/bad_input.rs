@@ -8,6 +8,7 @@ use std::sync::atomic::AtomicBool;
 
 use sutura::run::{self, Request};
 use sutura::scene::BUILT_IN;
+use sutura_controller::lanes::Level;
 use toml::{Table, Value};
 
 /// Runs the built-in scene with some of its keys set, named as `section.key`; gives the error's line.
@@ -39,6 +40,7 @@ fn refused_text(text: &str, meshes: &[(&str, PathBuf)]) -> String {
         meshes,
         seconds: Some(0.01),
         realtime: false,
+        level: Level::best(),
         out: out.clone(),
     };
     let error = run::run(&request, &AtomicBool::new(false), |_| {}).unwrap_err();

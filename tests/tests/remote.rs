@@ -8,6 +8,7 @@ use std::time::Duration;
 
 use sutura::link::{ChannelTransport, Pace, Transport as _};
 use sutura::run::embedded;
+use sutura_controller::lanes::Level;
 use sutura_tests::remote;
 
 /// A line that is read as a serial port is: what has come, or after some milliseconds a timeout.
@@ -44,7 +45,7 @@ impl Write for Line {
 
 #[test]
 fn the_touch_scenario_passes_over_a_stream() {
-    let (transport, controller) = embedded::start(Pace::Free).unwrap();
+    let (transport, controller) = embedded::start(Pace::Free, Level::best()).unwrap();
     let line = Line {
         transport,
         came: Vec::new(),

@@ -10,22 +10,43 @@ impl Level {
         Self::Vector(fearless_simd::Level::new())
     }
 
-    /// Every level this processor has, the plainest first, with its name.
-    pub fn all() -> impl Iterator<Item = (&'static str, Self)> {
+    /// Every level this processor has, the plainest first.
+    pub fn all() -> impl Iterator<Item = Self> {
         let best = fearless_simd::Level::new();
         #[cfg(target_arch = "x86_64")]
         let vectors = [
-            ("sse2", best.as_sse2().map(|token| token.level())),
-            ("sse4.2", best.as_sse4_2().map(|token| token.level())),
-            ("avx2", best.as_avx2().map(|token| token.level())),
-            ("avx512", best.as_avx512().map(|token| token.level())),
+            best.as_sse2().map(|token| token.level()),
+            best.as_sse4_2().map(|token| token.level()),
+            best.as_avx2().map(|token| token.level()),
+            best.as_avx512().map(|token| token.level()),
         ];
         #[cfg(not(target_arch = "x86_64"))]
-        let vectors = [("vector", Some(best))];
-        let vectors = vectors
-            .into_iter()
-            .filter_map(|(name, level)| Some((name, Self::Vector(level?))));
-        core::iter::once(("off", Self::Single)).chain(vectors)
+        let vectors = [Some(best)];
+        core::iter::once(Self::Single).chain(vectors.into_iter().flatten().map(Self::Vector))
+    }
+
+    /// What its instructions are called; `off` for none.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Single => "off",
+            #[cfg(target_arch = "x86_64")]
+            Self::Vector(level) if level.as_avx512().is_some() => "avx512",
+            #[cfg(target_arch = "x86_64")]
+            Self::Vector(level) if level.as_avx2().is_some() => "avx2",
+            #[cfg(target_arch = "x86_64")]
+            Self::Vector(level) if level.as_sse4_2().is_some() => "sse4.2",
+            #[cfg(target_arch = "x86_64")]
+            Self::Vector(_) => "sse2",
+            #[cfg(not(target_arch = "x86_64"))]
+            Self::Vector(_) => "vector",
+        }
+    }
+}
+
+impl PartialEq for Level {
+    fn eq(&self, other: &Self) -> bool {
+        self.name() == other.name()
     }
 }
 

@@ -3,6 +3,7 @@
 use std::fmt::{self, Display, Formatter};
 use std::str::FromStr;
 
+use sutura_controller::lanes::Level;
 use sutura_shared::scene::Law;
 
 /// Poisson's ratio of the law `isotropic`: whoever names it beside that law says nothing new.
@@ -25,6 +26,14 @@ pub(crate) fn law(name: &str, poisson: Option<f32>) -> Result<Law, BadFlag> {
     let law = Law::named(name, None);
     let own = |poisson: &f32| law == Ok(Law::Isotropic) && (poisson - ISOTROPIC_POISSON).abs() < 1e-6;
     Law::named(name, poisson.filter(|poisson| !own(poisson))).map_err(|error| BadFlag(format!("--law {name}: {error}")))
+}
+
+/// The instructions that `--simd` pins: one of those this processor has, by name.
+pub(crate) fn simd(text: &str) -> Result<Level, String> {
+    Level::all().find(|level| level.name() == text).ok_or_else(|| {
+        let names: Vec<_> = Level::all().map(Level::name).collect();
+        format!("this processor has {}", names.join(", "))
+    })
 }
 
 /// Three counts with `BETWEEN` between them.

@@ -9,9 +9,10 @@ use sutura::study::block::Spec;
 use sutura::study::method::Method;
 use sutura::study::path::{Course, Path};
 use sutura::study::poke::{self, Request};
+use sutura_controller::lanes::Level;
 use sutura_shared::scene::Assembly;
 
-use super::flags::{BadFlag, law, triple, within};
+use super::flags::{BadFlag, law, simd, triple, within};
 
 // Each is a flag of the command line.
 #[allow(clippy::struct_excessive_bools)]
@@ -72,6 +73,9 @@ pub(crate) struct PokeArgs {
     /// Compares with the converged solution in double precision.
     #[arg(long)]
     reference: bool,
+    /// Instructions to run on, instead of the best this processor has: off, sse2, sse4.2, avx2 or avx512. Results are the same.
+    #[arg(long, value_name = "LEVEL", value_parser = simd)]
+    simd: Option<Level>,
     /// The result as one JSON object on the last line of stdout.
     #[arg(long)]
     json: bool,
@@ -143,6 +147,7 @@ fn request(args: &PokeArgs) -> Result<Request, BadFlag> {
         },
         mass_per_voxel: args.mass == Mass::PerVoxel,
         node: args.node,
+        level: args.simd.unwrap_or_else(Level::best),
         course: Course {
             path,
             ramp_s: args.ramp_ms * 1e-3,

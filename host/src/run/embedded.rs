@@ -14,15 +14,15 @@ pub const NODES_MAX: usize = 24 * 24 * 12;
 /// Pieces on their way between the threads.
 const PIECES: usize = 64;
 
-/// Starts a controller and gives the host's end of the line to it. The thread ends when that end is dropped.
+/// Starts a controller, its passes on `level`, and gives the host's end of the line to it. The thread ends when that end is dropped.
 ///
 /// # Errors
 /// The system gives no thread.
-pub fn start(pace: Pace) -> std::io::Result<(ChannelTransport, JoinHandle<Ran>)> {
+pub fn start(pace: Pace, level: Level) -> std::io::Result<(ChannelTransport, JoinHandle<Ran>)> {
     let (ours, theirs) = channel(PIECES);
     let body = move || {
         let mut memory: Box<Memory<PC_NODES>> = bytemuck::zeroed_box();
-        run_controller(theirs, Rig::new(&mut memory, Level::best()), pace)
+        run_controller(theirs, Rig::new(&mut memory, level), pace)
     };
     let thread = std::thread::Builder::new().name("controller".to_owned()).spawn(body)?;
     Ok((ours, thread))

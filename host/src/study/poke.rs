@@ -17,6 +17,7 @@ pub use report::Report;
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
 
+use sutura_controller::lanes::Level;
 use sutura_controller::math::TICK_HZ;
 use sutura_shared::scene::Law;
 
@@ -46,6 +47,8 @@ pub struct Request {
     pub node: Option<[u32; 3]>,
     /// Its way.
     pub course: Course,
+    /// What the controller's passes run on.
+    pub level: Level,
     /// How long [ticks].
     pub ticks: u32,
     /// The solver.
@@ -146,8 +149,14 @@ fn prepare(request: &Request) -> Result<(Poke, Model), Error> {
         *free = 0.0;
     }
     let model = Model::new(&block.lattice, &block.material);
-    let course = request.course;
-    Ok((Poke { block, node, course }, model))
+    let (course, level) = (request.course, request.level);
+    let poke = Poke {
+        block,
+        node,
+        course,
+        level,
+    };
+    Ok((poke, model))
 }
 
 /// Says where an explicit step is close to the largest stable one, 2/ω.

@@ -21,6 +21,8 @@ pub struct Poke {
     pub node: usize,
     /// Its way.
     pub course: Course,
+    /// What the controller's passes run on.
+    pub level: Level,
 }
 
 /// Where the tissue is at a tick's end.
@@ -76,7 +78,7 @@ impl Poke {
             material: &self.block.material,
             coupling: &coupling,
             faces: None,
-            level: Level::best(),
+            level: self.level,
         };
         for tick in 1..=ticks {
             self.set_velocity(tick, &mut state.tissue);
