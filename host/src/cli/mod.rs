@@ -1,5 +1,5 @@
 //! The commands' flags, one file each.
 
-mod flags;
+pub(crate) mod flags;
 pub(crate) mod moduli;
 pub(crate) mod poke;

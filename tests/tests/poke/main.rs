@@ -12,6 +12,7 @@ use statics::V;
 use sutura::study::block::Spec;
 use sutura::study::path::{Course, Path};
 use sutura::study::poke::{self, DAMPING_PER_S, Error, Report, Request};
+use sutura_controller::lanes::Level;
 use sutura_shared::scene::{Assembly, Law};
 
 /// Difference from the static solve, relative to the norm of its displacement and to its reaction.
@@ -40,6 +41,7 @@ fn request(solver: &str) -> Request {
             path: Path::Lift { lift_m: 5e-3 },
             ramp_s: 0.1,
         },
+        level: Level::best(),
         ticks: TICKS,
         method: solver.parse().unwrap(),
         reference: false,
