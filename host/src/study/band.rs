@@ -87,12 +87,6 @@ impl Factor {
         self.inverse.is_empty()
     }
 
-    /// Entries below the diagonal that one solve reads twice.
-    #[must_use]
-    pub fn entries(&self) -> usize {
-        self.below.len()
-    }
-
     /// Length of each right-hand side: as many as there are unknowns, and a band of zeros.
     #[must_use]
     pub fn padded(&self) -> usize {
