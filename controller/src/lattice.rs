@@ -51,6 +51,8 @@ pub struct Lattice<const N: usize> {
     /// Λ of the volume energy ½ Λ (J − 1)² a³ by the voxel's lowest corner [Pa]; zero where there is no voxel, or no such energy.
     /// J is the determinant of the voxel's mean edges: of its four edges along x, its four along y and its four along z, over a.
     pub volume: [f32; N],
+    /// B of its barrier ½ B max(0, J_b − J)² a³ against inverted voxels, likewise [Pa].
+    pub barrier: [f32; N],
     /// By column i + nx·j: 1 + index of its highest node, 0 for an empty column.
     pub top: [u32; N],
     /// Nodes along x, y, z.

@@ -203,7 +203,9 @@ impl Voxel {
     }
 
     fn at(&self, strain: f32) -> Stretched {
-        let Stiffness { edge, diagonal, volume } = self.stiffness;
+        let Stiffness {
+            edge, diagonal, volume, ..
+        } = self.stiffness;
         let along = 1.0 + strain;
         let diagonals = |across: f32| {
             let strain = sqrt((along * along + 2.0 * across * across) / 3.0) - 1.0;

@@ -10,6 +10,8 @@ pub struct Material {
     pub curves: [Curve; CURVES],
     /// Whether the curves have breakpoints (effect `stiffening`).
     pub stiffening: bool,
+    /// Whether voxels keep their volume (law `volume`).
+    pub volume: bool,
     /// Mass damping α [1/s].
     pub mass_damping: f32,
     /// β of the dashpots [s]; zero without effect `spring-damping`.

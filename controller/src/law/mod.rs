@@ -23,7 +23,14 @@ pub struct Stiffness {
     pub diagonal: f32,
     /// Λ of the volume energy ½ Λ (J − 1)² a³, over E.
     pub volume: f32,
+    /// B of the barrier ½ B max(0, J_b − J)² a³ against inverted voxels, over E.
+    pub barrier: f32,
 }
+
+/// J_b, the part of its volume that a voxel keeps before the barrier acts.
+pub const BARRIER_BELOW: f32 = 0.3;
+/// B over E.
+const BARRIER: f32 = 8.0;
 
 /// The stiffness a law gives.
 #[must_use]
@@ -33,17 +40,20 @@ pub const fn stiffness(law: Law) -> Stiffness {
             edge: 0.8,
             diagonal: 0.3,
             volume: 0.0,
+            barrier: 0.0,
         },
         // √(2/3) makes E₁₀₀ = E where k_d gives G = E/3.
         Law::Axial => Stiffness {
             edge: 0.816_496_6,
             diagonal: 0.25,
             volume: 0.0,
+            barrier: 0.0,
         },
         Law::Paper => Stiffness {
             edge: 0.45,
             diagonal: 0.25,
             volume: 0.0,
+            barrier: 0.0,
         },
         // C44 = 4k_d/(3a) = G whatever Λ is, which adds to C11 and C12 alone: C12 = G + Λ = 2Gν/(1 − 2ν) and C11 = C12 + 2G.
         Law::Volume { poisson } => {
@@ -52,6 +62,7 @@ pub const fn stiffness(law: Law) -> Stiffness {
                 edge: 2.0 * shear,
                 diagonal: 0.75 * shear,
                 volume: shear * (4.0 * poisson - 1.0) / (1.0 - 2.0 * poisson),
+                barrier: BARRIER,
             }
         }
     }

@@ -6,7 +6,7 @@
 
 use super::spring::{Spring, follow, measure, pull, rest_length};
 use super::sweep::{Pass, sweep};
-use super::{Problem, Work, operator};
+use super::{Problem, Work, operator, volume};
 use crate::lanes::{Lanes, blocks, run_on};
 use crate::lattice::{DIRECTIONS, Field, Tissue};
 use crate::math::DT;
@@ -44,6 +44,9 @@ pub(super) fn linearise<L: Lanes, const N: usize>(
         transverse,
     };
     sweep(lanes, problem.lattice, given, &mut pass);
+    if problem.material.volume {
+        volume::linearise(lanes, problem.lattice, work);
+    }
     if let Some(faces) = problem.faces {
         operator::meet(faces, work);
     }
@@ -150,7 +153,7 @@ impl<L: Lanes, const N: usize> Pass<L, 6> for Linearise<'_, N> {
     }
 }
 
-/// Elastic force of the springs on every node, held ones too [N]; no dashpots, no inertia.
+/// Elastic force of springs and voxels on every node, held ones too [N]; no dashpots, no inertia.
 pub fn elastic_force<'w, const N: usize>(
     problem: &Problem<'_, N>,
     tissue: &Tissue<N>,
@@ -163,6 +166,10 @@ pub fn elastic_force<'w, const N: usize>(
         force: residual,
     };
     run_on!(problem.level, lanes => sweep(lanes, problem.lattice, given, &mut pass));
+    if problem.material.volume {
+        let place = &tissue.displacement;
+        run_on!(problem.level, lanes => volume::add_force(lanes, problem.lattice, place, (given, residual)));
+    }
     residual
 }
 

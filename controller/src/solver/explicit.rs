@@ -7,7 +7,7 @@ use super::points::Points;
 use super::spring::{drag, pull};
 use super::step::still;
 use super::sweep::{Pass, sweep};
-use super::{Problem, Solver, Work, predict};
+use super::{Problem, Solver, Work, predict, volume};
 use crate::coupling::POINTS;
 use crate::lanes::{Lanes, blocks, run_on};
 use crate::lattice::{Field, Tissue, add, at};
@@ -69,7 +69,7 @@ fn fold<L: Lanes, const N: usize>(lanes: L, problem: &Problem<'_, N>, step: f32,
     }
 }
 
-/// One substep of the springs.
+/// One substep of springs and voxels.
 #[inline(always)]
 fn substep<L: Lanes, const N: usize>(
     lanes: L,
@@ -81,8 +81,16 @@ fn substep<L: Lanes, const N: usize>(
     let Work {
         given,
         residual: [answer, keep, _],
+        product,
         ..
     } = work;
+    let load = if problem.material.volume {
+        product.clone_from(load);
+        volume::add_force(lanes, problem.lattice, &tissue.displacement, (given, product));
+        product
+    } else {
+        load
+    };
     let mut pass = Substep {
         problem,
         load,

@@ -10,6 +10,8 @@ mod spectrum;
 mod spring;
 mod step;
 mod sweep;
+mod volume;
+mod voxel;
 
 pub use assembly::elastic_force;
 pub use be_pcg::BePcg;
@@ -78,6 +80,10 @@ pub struct Work<const N: usize> {
     axial: [Field<N>; DIRECTIONS],
     /// Transverse stiffness T/l ≥ 0 by direction [N/m].
     transverse: [[f32; N]; DIRECTIONS],
+    /// A voxel's faces C_i over a² times √(U″ a)/4, by axis i and the voxel's lowest corner [√(N/m)]; used where voxels keep their volume.
+    growth: [Field<N>; 3],
+    /// |p| a/32 of voxels [N/m]; used where voxels keep their volume.
+    pressure: [f32; N],
     /// Stiffness of the wound's pairs that meet, zero for the others [N/m].
     contact: [f32; PAIRS_MAX],
 }
@@ -96,10 +102,13 @@ impl<const N: usize> Work<N> {
             inverse_diagonal,
             axial,
             transverse,
+            growth,
+            pressure,
             contact,
         } = self;
         let fields = [step, place, residual, solution, search, product, inverse_diagonal];
-        let arrays = fields.into_iter().chain(axial).flatten().chain(transverse);
+        let fields = fields.into_iter().chain(axial).chain(growth);
+        let arrays = fields.flatten().chain(transverse).chain([pressure]);
         arrays.for_each(|array| array.fill(0.0));
         contact.fill(0.0);
         given.clear();

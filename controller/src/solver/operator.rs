@@ -2,7 +2,7 @@
 
 use super::points::{Points, inner};
 use super::sweep::{Pass, sweep};
-use super::{Problem, Work};
+use super::{Problem, Work, volume};
 use crate::lanes::Lanes;
 use crate::lattice::{DIRECTIONS, Field, Lattice};
 use crate::math::DT;
@@ -17,7 +17,7 @@ pub(super) fn apply<L: Lanes, const N: usize>(
     work: &mut Work<N>,
 ) -> f32 {
     let inertia = 1.0 / (DT * DT) + problem.material.mass_damping / DT;
-    let mut curvature = springs(lanes, problem.lattice, inertia, work);
+    let mut curvature = tissue(lanes, problem, inertia, work);
     if let Some(faces) = problem.faces {
         let ([search, ..], [product, ..]) = (&work.search, &mut work.product);
         for ((left, right), penalty) in faces.pairs().zip(&work.contact) {
@@ -39,14 +39,25 @@ pub(super) fn apply<L: Lanes, const N: usize>(
     curvature
 }
 
-/// `work.product` = (`inertia` M + K) · `work.search`, the springs alone; gives its inner product with `search`.
+/// `work.product` = (`inertia` M + K) · `work.search`, springs and voxels alone; gives its inner product with `search`.
 #[inline(always)]
-pub(super) fn springs<L: Lanes, const N: usize>(
+pub(super) fn tissue<L: Lanes, const N: usize>(
     lanes: L,
-    lattice: &Lattice<N>,
+    problem: &Problem<'_, N>,
     inertia: f32,
     work: &mut Work<N>,
 ) -> f32 {
+    let springs = springs(lanes, problem.lattice, inertia, work);
+    if problem.material.volume {
+        springs + volume::apply(lanes, problem.lattice, work)
+    } else {
+        springs
+    }
+}
+
+/// The same of the springs alone.
+#[inline(always)]
+fn springs<L: Lanes, const N: usize>(lanes: L, lattice: &Lattice<N>, inertia: f32, work: &mut Work<N>) -> f32 {
     let Work {
         given,
         search,

@@ -1,7 +1,7 @@
 //! How fast a lattice's fastest mode is: what explicit steps must resolve.
 
-use super::operator::springs;
-use super::{Problem, Work};
+use super::operator::tissue;
+use super::{Problem, Work, volume};
 use crate::lanes::{Lanes, blocks, run_on};
 use crate::lattice::{DIRECTIONS, EDGES, STEPS};
 use crate::math::{DT, sqrt};
@@ -13,7 +13,7 @@ const MARGIN: f32 = 1.02;
 
 /// The smallest stable number of explicit substeps a tick: h < 2/ω, with β-dashpots h < (√(1 + ζ²) − ζ) 2/ω and ζ = β ω/2.
 ///
-/// ω is that of the lattice at rest with every spring at the steepest slope of its curve.
+/// ω is that of the lattice at rest with every spring at the steepest slope of its curve, and voxels that keep their volume.
 pub fn fewest_substeps<const N: usize>(problem: &Problem<'_, N>, work: &mut Work<N>) -> u16 {
     let omega = MARGIN * sqrt(run_on!(problem.level, lanes => fastest(lanes, problem, work)));
     let zeta = 0.5 * problem.material.spring_damping * omega;
@@ -27,6 +27,9 @@ pub fn fewest_substeps<const N: usize>(problem: &Problem<'_, N>, work: &mut Work
 fn fastest<L: Lanes, const N: usize>(lanes: L, problem: &Problem<'_, N>, work: &mut Work<N>) -> f32 {
     let n = problem.lattice.len();
     stiffen(lanes, problem, work);
+    if problem.material.volume {
+        volume::stiffen(lanes, problem, work);
+    }
     // A start that holds something of every mode, and of the fastest, which alternate, most.
     let mut seed = 1_u32;
     for c in 0..3 {
@@ -37,7 +40,7 @@ fn fastest<L: Lanes, const N: usize>(lanes: L, problem: &Problem<'_, N>, work: &
     }
     let mut value = 0.0;
     for _ in 0..ROUNDS {
-        let stiff = springs(lanes, problem.lattice, 0.0, work);
+        let stiff = tissue(lanes, problem, 0.0, work);
         let heavy = weigh(lanes, problem, work);
         value = if heavy > 0.0 { stiff / heavy } else { 0.0 };
         divide(lanes, problem, value, work);

@@ -15,7 +15,7 @@ const GIVEN: usize = 9;
 #[repr(C)]
 pub(super) struct Given<const N: usize> {
     /// By direction and number.
-    by: [[[f32; N]; GIVEN]; DIRECTIONS],
+    pub(super) by: [[[f32; N]; GIVEN]; DIRECTIONS],
     /// Sums over the springs that begin at a node, by number; one layer.
     lower: [[f32; N]; GIVEN],
 }

@@ -6,7 +6,7 @@
 
 use crate::lattice::{DIRECTIONS, EDGES, Lattice, STEPS};
 use crate::law::{self, Curve, Material};
-use sutura_shared::scene::{self, Assembly, Body, Effect, Scene};
+use sutura_shared::scene::{self, Assembly, Body, Effect, Law, Scene};
 
 /// Why a lattice cannot be built.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -52,6 +52,7 @@ pub fn assemble<const N: usize>(scene: &Scene, cells: &[u8], lattice: &mut Latti
     }
     let mut material = Material {
         stiffening: scene.effects.has(Effect::Stiffening),
+        volume: matches!(grid.law, Law::Volume { .. }),
         mass_damping: grid.damping_per_s,
         spring_damping: if scene.effects.has(Effect::SpringDamping) {
             grid.spring_damping_s
@@ -113,6 +114,8 @@ struct Springs {
     diagonal: f32,
     /// Λ [Pa].
     volume: f32,
+    /// B [Pa].
+    barrier: f32,
 }
 
 fn parts(scene: &Scene, material: &mut Material) -> Result<[Option<Part>; scene::TISSUES_MAX], Error> {
@@ -137,6 +140,7 @@ fn parts(scene: &Scene, material: &mut Material) -> Result<[Option<Part>; scene:
                     upright: edge,
                     diagonal: stiffness.diagonal * ea * sheet,
                     volume: stiffness.volume * curve.young * sheet,
+                    barrier: stiffness.barrier * curve.young * sheet,
                 })
             }
         };
@@ -154,6 +158,7 @@ fn clear<const N: usize>(lattice: &mut Lattice<N>) {
     lattice.free.fill(0.0);
     lattice.stiffness.iter_mut().flatten().for_each(|k| k.fill(0.0));
     lattice.volume.fill(0.0);
+    lattice.barrier.fill(0.0);
     lattice.top.fill(0);
 }
 
@@ -171,8 +176,8 @@ fn add_voxel<const N: usize>(lattice: &mut Lattice<N>, [i, j, k]: [u32; 3], part
         return;
     };
     let lowest = lattice.index([i, j, k]);
-    if let Some(volume) = lattice.volume.get_mut(lowest) {
-        *volume = springs.volume;
+    if let (Some(volume), Some(barrier)) = (lattice.volume.get_mut(lowest), lattice.barrier.get_mut(lowest)) {
+        (*volume, *barrier) = (springs.volume, springs.barrier);
     }
     for (direction, step) in STEPS.iter().enumerate() {
         let stiffness = match direction {

@@ -12,5 +12,6 @@ mod needle;
 mod patch;
 mod reference;
 mod statics;
+mod volume;
 mod waves;
 mod wound;

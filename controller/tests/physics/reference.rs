@@ -51,13 +51,18 @@ impl Springs {
 
     /// A full block held where `block` is held, of Young's modulus `young` [Pa] by layer of voxels, the lowest first.
     pub(crate) fn layered(block: &Block, law: Law, young: impl Fn(usize) -> f64) -> Self {
-        let pitch = f64::from(PITCH);
-        let (edge, diagonal) = match law {
-            Law::Isotropic => (0.8, 0.3),
-            Law::Axial => (f64::from(2.0 / 3.0_f32).sqrt(), 0.25),
-            Law::Paper => (0.45, 0.25),
+        let stiffness = match law {
+            Law::Isotropic => [0.8, 0.3],
+            Law::Axial => [f64::from(2.0 / 3.0_f32).sqrt(), 0.25],
+            Law::Paper => [0.45, 0.25],
             Law::Volume { .. } => unreachable!("these are springs alone"),
         };
+        Self::of(block, stiffness, young)
+    }
+
+    /// The same with k_n and k_d over E a of any law.
+    pub(crate) fn of(block: &Block, [edge, diagonal]: [f64; 2], young: impl Fn(usize) -> f64) -> Self {
+        let pitch = f64::from(PITCH);
         let n = block.lattice.len();
         let mut all = Self {
             springs: Vec::new(),

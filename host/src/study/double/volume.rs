@@ -1,10 +1,11 @@
-//! The voxels' energy ½ Λ (J − 1)² a³, J the determinant of a voxel's mean edges over a.
+//! The voxels' energy a³ U(J), U = ½ Λ (J − 1)² + ½ B max(0, J_b − J)², J the determinant of a voxel's mean edges over a.
 //!
 //! A mean edge E_i is the mean of the four edges along axis i, so a corner moves it by ±1/4 of its own way, and with the faces
-//! C_x = E_y × E_z (and cyclic) a³ ∂J/∂x = Σ ± C_i/4: the force on a corner is −Λ (J − 1) of that.
+//! C_x = E_y × E_z (and cyclic) a³ ∂J/∂x = Σ ± C_i/4: the force on a corner is −U′ of that.
 
 use nalgebra::Matrix3;
 use sutura_controller::lattice::Lattice;
+use sutura_controller::law::BARRIER_BELOW;
 
 use super::tangent::Form;
 use super::{Field, V};
@@ -17,6 +18,18 @@ pub(super) struct Voxels {
     pitch: f64,
     /// Λ by lowest corner, zero where there is no voxel [Pa].
     stiffness: Vec<f64>,
+    /// B likewise [Pa].
+    barrier: Vec<f64>,
+}
+
+/// What a voxel answers its growth with.
+struct Answer {
+    /// U [Pa].
+    energy: f64,
+    /// U′ [Pa].
+    pressure: f64,
+    /// U″ [Pa].
+    stiffness: f64,
 }
 
 /// One voxel as it is now.
@@ -41,13 +54,30 @@ impl Voxels {
             }),
             pitch: f64::from(lattice.pitch),
             stiffness: lattice.volume.iter().take(n).map(|k| f64::from(*k)).collect(),
+            barrier: lattice.barrier.iter().take(n).map(|k| f64::from(*k)).collect(),
         }
     }
 
     /// Lowest corners of the voxels.
     fn cells(&self) -> impl Iterator<Item = usize> + '_ {
-        let there = self.stiffness.iter().enumerate().filter(|(_, k)| **k > 0.0);
-        there.map(|(low, _)| low)
+        (0..self.stiffness.len()).filter(|low| self.is_there(*low))
+    }
+
+    /// Whether a node is a voxel's lowest corner.
+    fn is_there(&self, low: usize) -> bool {
+        let any = |k: &Vec<f64>| k.get(low).is_some_and(|k| *k > 0.0);
+        any(&self.stiffness) || any(&self.barrier)
+    }
+
+    fn answer(&self, low: usize, growth: f64) -> Answer {
+        let (volume, barrier) = (self.stiffness[low], self.barrier[low]);
+        let under = (f64::from(BARRIER_BELOW) - 1.0 - growth).max(0.0);
+        let acts = if under > 0.0 { barrier } else { 0.0 };
+        Answer {
+            energy: 0.5 * (volume * growth * growth + barrier * under * under),
+            pressure: volume * growth - barrier * under,
+            stiffness: volume + acts,
+        }
     }
 
     fn shape(&self, low: usize, at: impl Fn(usize) -> V) -> Shape {
@@ -70,11 +100,11 @@ impl Voxels {
         let mut energy = 0.0;
         for low in self.cells() {
             let shape = self.shape(low, |node| at.get(node));
-            let pressure = self.stiffness[low] * shape.growth;
+            let answer = self.answer(low, shape.growth);
             for (number, corner) in self.corners.iter().enumerate() {
-                force.add(low + corner, spread(shape.faces, number) * -pressure);
+                force.add(low + corner, spread(shape.faces, number) * -answer.pressure);
             }
-            energy += 0.5 * pressure * shape.growth * self.pitch.powi(3);
+            energy += answer.energy * self.pitch.powi(3);
         }
         energy
     }
@@ -86,10 +116,9 @@ impl Voxels {
             let Some(low) = node.checked_sub(*corner) else {
                 continue;
             };
-            let stiffness = self.stiffness.get(low).copied().unwrap_or(0.0);
-            if stiffness > 0.0 {
+            if self.is_there(low) {
                 let shape = self.shape(low, &at);
-                force -= spread(shape.faces, number) * (stiffness * shape.growth);
+                force -= spread(shape.faces, number) * self.answer(low, shape.growth).pressure;
             }
         }
         force
@@ -130,7 +159,7 @@ impl<'a> Swelling<'a> {
             .map(|low| (low, voxels.shape(low, |node| at.get(node))))
             .collect();
         for (low, shape) in &shapes {
-            let rate = voxels.stiffness[*low] / voxels.pitch.powi(3);
+            let rate = voxels.answer(*low, shape.growth).stiffness / voxels.pitch.powi(3);
             for (number, corner) in voxels.corners.iter().enumerate() {
                 let slope = spread(shape.faces, number);
                 blocks[low + corner] += slope * slope.transpose() * rate;
@@ -141,17 +170,14 @@ impl<'a> Swelling<'a> {
 
     /// Adds the voxels' part of the product.
     pub(super) fn apply(&self, p: &Field, product: &mut Field) {
-        let Voxels {
-            corners,
-            pitch,
-            stiffness,
-        } = self.voxels;
+        let Voxels { corners, pitch, .. } = self.voxels;
         for (low, shape) in &self.shapes {
+            let answer = self.voxels.answer(*low, shape.growth);
             let moved = mean_edges(corners.map(|corner| p.get(low + corner)));
             let swelling: f64 = shape.faces.iter().zip(&moved).map(|(face, edge)| face.dot(edge)).sum();
             let mut pull = shape
                 .faces
-                .map(|face| face * (stiffness[*low] * swelling / pitch.powi(3)));
+                .map(|face| face * (answer.stiffness * swelling / pitch.powi(3)));
             if self.form == Form::Exact {
                 let ([x, y, z], [dx, dy, dz]) = (shape.edges, moved);
                 let turned = [
@@ -159,10 +185,9 @@ impl<'a> Swelling<'a> {
                     dz.cross(&x) + z.cross(&dx),
                     dx.cross(&y) + x.cross(&dy),
                 ];
-                let pressure = stiffness[*low] * shape.growth;
                 pull.iter_mut()
                     .zip(turned)
-                    .for_each(|(pull, turned)| *pull += turned * pressure);
+                    .for_each(|(pull, turned)| *pull += turned * answer.pressure);
             }
             for (number, corner) in corners.iter().enumerate() {
                 product.add(low + corner, spread(pull, number));

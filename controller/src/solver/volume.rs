@@ -1,0 +1,262 @@
+//! The voxels' energy a³ U(J), U = ½ Λ (J − 1)² + ½ B max(0, J_b − J)², J the determinant of a voxel's mean edges E_i over a³.
+//!
+//! With p = dU/dJ and the faces C_x = E_y × E_z/a² (and cyclic), a mean edge is pulled with p a² C_i, and a corner moves it by ±1/4 of its way.
+//! Linearised, a voxel's U″ a³ ∇J ∇Jᵀ stays as it is. p a³ ∇²J is indefinite: with mean edges about as long as a its eigenvalues on them lie within
+//! ±|p| a but for growth alike in all directions, which U″ outweighs. It is replaced by ½ |p| a on the mean edges: the operator
+//! stays positive definite and is nowhere less than half the true one, which is what steps with it need to converge.
+
+use super::sweep::Given;
+use super::voxel::{DIAGONALS, VoxelPass, along_diagonals, mean_edges, sweep_voxels};
+use super::{Problem, Work};
+use crate::lanes::{Lanes, blocks};
+use crate::lattice::{Field, Lattice};
+use crate::law::BARRIER_BELOW;
+
+/// Voxels as they are.
+#[derive(Clone, Copy)]
+struct Shape<F> {
+    /// C_i by axis.
+    faces: [[F; 3]; 3],
+    /// p [Pa].
+    pressure: F,
+    /// U″ [Pa].
+    stiffness: F,
+}
+
+/// Shape of the voxels from index `at` at displacements `place`.
+#[inline(always)]
+fn shape<L: Lanes, const N: usize>(lanes: L, lattice: &Lattice<N>, place: &Field<N>, at: usize) -> Shape<L::F> {
+    let mut moved = mean_edges(lanes, lattice, place, at);
+    for edge in &mut moved {
+        for c in 0..3 {
+            edge[c] = edge[c] * lanes.splat(0.25 / lattice.pitch);
+        }
+    }
+    let mut edges = moved;
+    for i in 0..3 {
+        edges[i][i] = moved[i][i] + lanes.splat(1.0);
+    }
+    let faces = [
+        cross::<L>(edges[1], edges[2]),
+        cross::<L>(edges[2], edges[0]),
+        cross::<L>(edges[0], edges[1]),
+    ];
+    // J − 1 without the difference: that of E_x and its rest, and of the part of C_x along x and its rest.
+    let [x, y, z] = moved;
+    let growth = dot::<L>(x, faces[0]) + (y[1] + z[2] + (y[1] * z[2] - y[2] * z[1]));
+    let volume = lanes.load(&lattice.volume, at);
+    let under = lanes.splat(BARRIER_BELOW - 1.0) - growth;
+    let barrier = lanes.where_positive(under, lanes.load(&lattice.barrier, at));
+    Shape {
+        faces,
+        pressure: volume * growth - barrier * under,
+        stiffness: volume + barrier,
+    }
+}
+
+/// Adds the voxels' force at displacements `place` to `force` [N].
+#[inline(always)]
+pub(super) fn add_force<L: Lanes, const N: usize>(
+    lanes: L,
+    lattice: &Lattice<N>,
+    place: &Field<N>,
+    (given, force): (&mut Given<N>, &mut Field<N>),
+) {
+    sweep_voxels(lanes, lattice, given, &mut Force { lattice, place, force });
+}
+
+struct Force<'a, const N: usize> {
+    lattice: &'a Lattice<N>,
+    place: &'a Field<N>,
+    force: &'a mut Field<N>,
+}
+
+impl<L: Lanes, const N: usize> VoxelPass<L, 3> for Force<'_, N> {
+    #[inline(always)]
+    fn voxel(&mut self, lanes: L, at: usize) -> [[L::F; 3]; DIAGONALS] {
+        let shape = shape(lanes, self.lattice, self.place, at);
+        let pitch = self.lattice.pitch;
+        let pull = shape.pressure * lanes.splat(0.25 * pitch * pitch);
+        along_diagonals(lanes, scaled::<L>(shape.faces, pull))
+    }
+
+    #[inline(always)]
+    fn node(&mut self, lanes: L, at: usize, begin: [L::F; 3], end: [L::F; 3]) {
+        for c in 0..3 {
+            let force = lanes.load(&self.force[c], at) + (begin[c] - end[c]);
+            lanes.store(force, &mut self.force[c], at);
+        }
+    }
+}
+
+/// Adds the voxels' force at `work.place` to the residual and their stiffness to the diagonal, at nodes that move, and fills their operator.
+#[inline(always)]
+pub(super) fn linearise<L: Lanes, const N: usize>(lanes: L, lattice: &Lattice<N>, work: &mut Work<N>) {
+    let Work {
+        given,
+        place,
+        residual,
+        inverse_diagonal,
+        growth,
+        pressure,
+        ..
+    } = work;
+    let mut pass = Linearise {
+        lattice,
+        place,
+        residual,
+        inverse_diagonal,
+        growth,
+        pressure,
+    };
+    sweep_voxels(lanes, lattice, given, &mut pass);
+}
+
+struct Linearise<'a, const N: usize> {
+    lattice: &'a Lattice<N>,
+    place: &'a Field<N>,
+    residual: &'a mut Field<N>,
+    inverse_diagonal: &'a mut Field<N>,
+    growth: &'a mut [Field<N>; 3],
+    pressure: &'a mut [f32; N],
+}
+
+impl<L: Lanes, const N: usize> VoxelPass<L, 6> for Linearise<'_, N> {
+    #[inline(always)]
+    fn voxel(&mut self, lanes: L, at: usize) -> [[L::F; 6]; DIAGONALS] {
+        let Shape {
+            faces,
+            pressure,
+            stiffness,
+        } = shape(lanes, self.lattice, self.place, at);
+        let pitch = self.lattice.pitch;
+        let pull = pressure * lanes.splat(0.25 * pitch * pitch);
+        let pulls = along_diagonals(lanes, scaled::<L>(faces, pull));
+        let growth = scaled::<L>(faces, lanes.root(stiffness * lanes.splat(pitch / 16.0)));
+        let either = lanes.larger(pressure, lanes.splat(0.0) - pressure) * lanes.splat(pitch / 32.0);
+        lanes.store(either, self.pressure, at);
+        for i in 0..3 {
+            for c in 0..3 {
+                lanes.store(growth[i][c], &mut self.growth[i][c], at);
+            }
+        }
+        let slopes = along_diagonals(lanes, growth);
+        let mut give = [[lanes.splat(3.0) * either; 6]; DIAGONALS];
+        for m in 0..DIAGONALS {
+            for c in 0..3 {
+                give[m][c] = pulls[m][c];
+                give[m][c + 3] = give[m][c + 3] + slopes[m][c] * slopes[m][c];
+            }
+        }
+        give
+    }
+
+    #[inline(always)]
+    fn node(&mut self, lanes: L, at: usize, begin: [L::F; 6], end: [L::F; 6]) {
+        let free = lanes.load(&self.lattice.free, at);
+        for c in 0..3 {
+            let force = lanes.load(&self.residual[c], at) + (begin[c] - end[c]) * free;
+            lanes.store(force, &mut self.residual[c], at);
+            let inverse = lanes.load(&self.inverse_diagonal[c], at);
+            let one = lanes.splat(1.0);
+            let further = inverse / (one + (begin[c + 3] + end[c + 3]) * inverse);
+            lanes.store(further, &mut self.inverse_diagonal[c], at);
+        }
+    }
+}
+
+/// Adds the voxels' part of the operator to `work.product`; gives `search`ᵀ times it.
+#[inline(always)]
+pub(super) fn apply<L: Lanes, const N: usize>(lanes: L, lattice: &Lattice<N>, work: &mut Work<N>) -> f32 {
+    let Work {
+        given,
+        search,
+        product,
+        growth,
+        pressure,
+        ..
+    } = work;
+    let mut pass = Apply {
+        lattice,
+        search,
+        product,
+        growth,
+        pressure,
+        curvature: lanes.nothing(),
+    };
+    sweep_voxels(lanes, lattice, given, &mut pass);
+    lanes.total(pass.curvature)
+}
+
+/// g gᵀ + b I on the nine components of a voxel's mean edges, each four times its way.
+struct Apply<'a, L: Lanes, const N: usize> {
+    lattice: &'a Lattice<N>,
+    search: &'a Field<N>,
+    product: &'a mut Field<N>,
+    growth: &'a [Field<N>; 3],
+    pressure: &'a [f32; N],
+    curvature: L::Sum,
+}
+
+impl<L: Lanes, const N: usize> VoxelPass<L, 3> for Apply<'_, L, N> {
+    #[inline(always)]
+    fn voxel(&mut self, lanes: L, at: usize) -> [[L::F; 3]; DIAGONALS] {
+        let mut edges = mean_edges(lanes, self.lattice, self.search, at);
+        let zero = lanes.splat(0.0);
+        let (mut swelling, mut square) = (zero, zero);
+        for i in 0..3 {
+            swelling = swelling + dot::<L>(lanes.vector(&self.growth[i], at), edges[i]);
+            square = square + dot::<L>(edges[i], edges[i]);
+        }
+        let either = lanes.load(self.pressure, at);
+        self.curvature = lanes.add(self.curvature, at, swelling * swelling + either * square);
+        for i in 0..3 {
+            for c in 0..3 {
+                edges[i][c] = lanes.load(&self.growth[i][c], at) * swelling + either * edges[i][c];
+            }
+        }
+        along_diagonals(lanes, edges)
+    }
+
+    #[inline(always)]
+    fn node(&mut self, lanes: L, at: usize, begin: [L::F; 3], end: [L::F; 3]) {
+        for c in 0..3 {
+            let product = lanes.load(&self.product[c], at) - (begin[c] - end[c]);
+            lanes.store(product, &mut self.product[c], at);
+        }
+    }
+}
+
+/// The operator's voxels at rest.
+#[inline(always)]
+pub(super) fn stiffen<L: Lanes, const N: usize>(lanes: L, problem: &Problem<'_, N>, work: &mut Work<N>) {
+    let lattice = problem.lattice;
+    work.pressure.fill(0.0);
+    work.growth.iter_mut().flatten().for_each(|part| part.fill(0.0));
+    for (axis, growth) in work.growth.iter_mut().enumerate() {
+        for at in blocks::<L, N>(lattice.len()) {
+            let stiffness = lanes.load(&lattice.volume, at) * lanes.splat(lattice.pitch / 16.0);
+            lanes.store(lanes.root(stiffness), &mut growth[axis], at);
+        }
+    }
+}
+
+#[inline(always)]
+fn dot<L: Lanes>([ax, ay, az]: [L::F; 3], [bx, by, bz]: [L::F; 3]) -> L::F {
+    ax * bx + ay * by + az * bz
+}
+
+#[inline(always)]
+fn cross<L: Lanes>([ax, ay, az]: [L::F; 3], [bx, by, bz]: [L::F; 3]) -> [L::F; 3] {
+    [ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx]
+}
+
+#[inline(always)]
+fn scaled<L: Lanes>(mut vectors: [[L::F; 3]; 3], by: L::F) -> [[L::F; 3]; 3] {
+    for vector in &mut vectors {
+        for c in 0..3 {
+            vector[c] = vector[c] * by;
+        }
+    }
+    vectors
+}
