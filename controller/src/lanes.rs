@@ -127,9 +127,18 @@ pub enum Level {
     /// One number at a time: what a microcontroller does, and the baseline that instruction counts are taken on.
     #[default]
     Single,
-    /// Sixteen lanes on the vector instructions of this level.
-    #[cfg(feature = "simd")]
-    Vector(fearless_simd::Level),
+    /// Sixteen lanes on vectors of four, which every x86-64 processor has.
+    #[cfg(all(feature = "simd", target_arch = "x86_64"))]
+    Sse2(fearless_simd::x86::Sse2),
+    /// Sixteen lanes on vectors of eight.
+    #[cfg(all(feature = "simd", target_arch = "x86_64"))]
+    Avx2(fearless_simd::x86::Avx2),
+    /// Sixteen lanes on vectors of sixteen.
+    #[cfg(all(feature = "simd", target_arch = "x86_64"))]
+    Avx512(fearless_simd::x86::Avx512),
+    /// Sixteen lanes on what another kind of processor has.
+    #[cfg(all(feature = "simd", not(target_arch = "x86_64")))]
+    Other(fearless_simd::Level),
 }
 
 /// Runs a pass, an expression of the lanes `$lanes`, on the instructions of `$level`.
@@ -140,14 +149,36 @@ macro_rules! run_on {
                 let $lanes = $crate::lanes::Single;
                 $pass
             }
-            #[cfg(feature = "simd")]
-            $crate::lanes::Level::Vector(level) => fearless_simd::dispatch!(level, token => {
+            #[cfg(all(feature = "simd", target_arch = "x86_64"))]
+            $crate::lanes::Level::Sse2(token) => $crate::lanes::run_with!(token, $lanes => $pass),
+            #[cfg(all(feature = "simd", target_arch = "x86_64"))]
+            $crate::lanes::Level::Avx2(token) => $crate::lanes::run_with!(token, $lanes => $pass),
+            #[cfg(all(feature = "simd", target_arch = "x86_64"))]
+            $crate::lanes::Level::Avx512(token) => $crate::lanes::run_with!(token, $lanes => $pass),
+            #[cfg(all(feature = "simd", not(target_arch = "x86_64")))]
+            $crate::lanes::Level::Other(level) => fearless_simd::dispatch!(level, token => {
                 let $lanes = $crate::lanes::Sixteen(token);
                 $pass
             }),
         }
     };
 }
+
+/// Runs a pass with the vector instructions that `$token` proves.
+#[cfg(all(feature = "simd", target_arch = "x86_64"))]
+macro_rules! run_with {
+    ($token:ident, $lanes:ident => $pass:expr) => {{
+        let $lanes = $crate::lanes::Sixteen($token);
+        fearless_simd::Simd::vectorize(
+            $token,
+            #[inline(always)]
+            || $pass,
+        )
+    }};
+}
+
+#[cfg(all(feature = "simd", target_arch = "x86_64"))]
+pub(crate) use run_with;
 
 pub(crate) use run_on;
 

@@ -61,7 +61,7 @@ struct RunArgs {
     /// Folder for force.csv and force.png.
     #[arg(long, value_name = "DIR", default_value = "sutura-out")]
     out: PathBuf,
-    /// Instructions to run on, instead of the best this processor has: off, sse2, sse4.2, avx2 or avx512. Results are the same.
+    /// Instructions to run on, instead of the best this processor has: off, sse2, avx2 or avx512. Results are the same.
     #[arg(long, value_name = "LEVEL", value_parser = cli::flags::simd)]
     simd: Option<Level>,
     /// The result as one JSON object on the last line of stdout.

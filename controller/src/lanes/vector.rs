@@ -3,44 +3,53 @@
 use super::{Lanes, Level, SUM_LANES};
 use fearless_simd::{Select, Simd, SimdBase, SimdFloat, f32x16};
 
+#[cfg(target_arch = "x86_64")]
 impl Level {
-    /// The best this processor has.
-    #[must_use]
-    pub fn best() -> Self {
-        Self::Vector(fearless_simd::Level::new())
-    }
-
     /// Every level this processor has, the plainest first.
     pub fn all() -> impl Iterator<Item = Self> {
         let best = fearless_simd::Level::new();
-        #[cfg(target_arch = "x86_64")]
         let vectors = [
-            best.as_sse2().map(|token| token.level()),
-            best.as_sse4_2().map(|token| token.level()),
-            best.as_avx2().map(|token| token.level()),
-            best.as_avx512().map(|token| token.level()),
+            best.as_sse2().map(Self::Sse2),
+            best.as_avx2().map(Self::Avx2),
+            best.as_avx512().map(Self::Avx512),
         ];
-        #[cfg(not(target_arch = "x86_64"))]
-        let vectors = [Some(best)];
-        core::iter::once(Self::Single).chain(vectors.into_iter().flatten().map(Self::Vector))
+        core::iter::once(Self::Single).chain(vectors.into_iter().flatten())
     }
 
     /// What its instructions are called; `off` for none.
     #[must_use]
-    pub fn name(self) -> &'static str {
+    pub const fn name(self) -> &'static str {
         match self {
             Self::Single => "off",
-            #[cfg(target_arch = "x86_64")]
-            Self::Vector(level) if level.as_avx512().is_some() => "avx512",
-            #[cfg(target_arch = "x86_64")]
-            Self::Vector(level) if level.as_avx2().is_some() => "avx2",
-            #[cfg(target_arch = "x86_64")]
-            Self::Vector(level) if level.as_sse4_2().is_some() => "sse4.2",
-            #[cfg(target_arch = "x86_64")]
-            Self::Vector(_) => "sse2",
-            #[cfg(not(target_arch = "x86_64"))]
-            Self::Vector(_) => "vector",
+            Self::Sse2(_) => "sse2",
+            Self::Avx2(_) => "avx2",
+            Self::Avx512(_) => "avx512",
         }
+    }
+}
+
+#[cfg(not(target_arch = "x86_64"))]
+impl Level {
+    /// Every level this processor has, the plainest first.
+    pub fn all() -> impl Iterator<Item = Self> {
+        [Self::Single, Self::Other(fearless_simd::Level::new())].into_iter()
+    }
+
+    /// What its instructions are called; `off` for none.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Single => "off",
+            Self::Other(_) => "vector",
+        }
+    }
+}
+
+impl Level {
+    /// The best this processor has.
+    #[must_use]
+    pub fn best() -> Self {
+        Self::all().last().unwrap_or_default()
     }
 }
 

@@ -73,7 +73,7 @@ pub(crate) struct PokeArgs {
     /// Compares with the converged solution in double precision.
     #[arg(long)]
     reference: bool,
-    /// Instructions to run on, instead of the best this processor has: off, sse2, sse4.2, avx2 or avx512. Results are the same.
+    /// Instructions to run on, instead of the best this processor has: off, sse2, avx2 or avx512. Results are the same.
     #[arg(long, value_name = "LEVEL", value_parser = simd)]
     simd: Option<Level>,
     /// The result as one JSON object on the last line of stdout.
