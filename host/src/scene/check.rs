@@ -441,7 +441,7 @@ mod tests {
 
     #[test]
     fn a_key_that_an_effect_needs_is_asked_for() {
-        let error = altered("penalty_n_per_m = 2000", "").unwrap_err();
+        let error = altered("penalty_n_per_m = 8000", "").unwrap_err();
         assert!(
             error.contains("key wound.penalty_n_per_m is missing: effect wound-contact needs it"),
             "{error}"
