@@ -15,7 +15,10 @@ use sutura_shared::message::{Telemetry, ToHost, UploadError};
 use sutura_shared::scene::{Effect, Stage};
 
 use crate::link::{Counts, Link, LinkError, Pace, Ran};
-use crate::scene::{self, build};
+use crate::scene;
+use crate::scene::build::{self, Built};
+use crate::study::block::{self, Block};
+use crate::study::method::{Method, NEAR, NotBuilt};
 use crate::voxelize::Springs;
 use log::{Change, Log};
 use report::{LinkCount, Report, TickTime, WoundGap};
@@ -36,6 +39,7 @@ pub fn run(request: &Request, interrupted: &AtomicBool, progress: impl FnMut(&Te
     for warning in &built.warnings {
         tracing::warn!("{warning}");
     }
+    steps(&built)?;
     files::folder(&request.out)?;
     let session = session(request, &built, interrupted, progress)?;
     if session.ran.skipped > 0 {
@@ -203,6 +207,22 @@ pub struct Request {
     pub out: PathBuf,
 }
 
+/// Refuses too few explicit substeps, as the controller does, but says how many are enough; warns where they hardly are.
+fn steps(built: &Built) -> Result<(), Error> {
+    let asked = Method::Controller(built.scene.solver);
+    if asked.explicit_substeps().is_none() {
+        return Ok(());
+    }
+    let block = Block::of(&built.scene, &built.cells).map_err(Error::Lattice)?;
+    let (chosen, _) = asked.build(&block)?;
+    let (least, _) = Method::explicit(0).build(&block)?;
+    let [chosen, least] = [chosen, least].map(|method| method.explicit_substeps().map_or(0.0, f64::from));
+    if asked.explicit_substeps() != Some(0) && least > NEAR * chosen {
+        tracing::warn!("solver: {asked} is close to unstable: explicit:{least} is the smallest stable count");
+    }
+    Ok(())
+}
+
 /// What came of a session with a controller.
 struct Session {
     log: Log,
@@ -221,6 +241,12 @@ pub enum Error {
     /// Its meshes and its patch.
     #[error(transparent)]
     Build(#[from] build::Error),
+    /// The lattice of the patch.
+    #[error(transparent)]
+    Lattice(block::Error),
+    /// The solver on this patch.
+    #[error("solver: {0}")]
+    Solver(#[from] NotBuilt),
     /// The files of the run.
     #[error(transparent)]
     Files(#[from] files::Error),
@@ -255,6 +281,8 @@ impl Error {
         match self {
             Self::Scene(_)
             | Self::Build(_)
+            | Self::Lattice(_)
+            | Self::Solver(_)
             | Self::Files(files::Error::File { .. })
             | Self::Thread(_)
             | Self::Stuck { .. } => 2,

@@ -9,10 +9,13 @@ use crate::lanes::{Lanes, blocks, run_on};
 use crate::lattice::{Field, Tissue};
 use crate::math::Vec3;
 
+/// Newton steps before the last only bring springs to their segments, for which this part of the iterations is enough.
+const EARLIER: u16 = 3;
+
 /// The method's dials.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct BePcg {
-    /// Conjugate-gradient iterations of one linear solve.
+    /// Conjugate-gradient iterations of the last Newton step; those before take a third.
     pub iterations: u16,
     /// Newton steps a tick.
     pub newton: u16,
@@ -41,7 +44,7 @@ impl BePcg {
         let n = problem.lattice.len();
         predict_step(lanes, n, tissue, work);
         let mut moved = [Vec3::zeros(); POINTS];
-        for _ in 0..self.newton {
+        for round in 1..=self.newton {
             // The coupling is stated at the predicted place; what the points have moved since changes its force.
             let mut coupling = *problem.coupling;
             let given = problem.coupling.product(&moved);
@@ -51,7 +54,11 @@ impl BePcg {
                 ..*problem
             };
             assembly::linearise(lanes, &now, load, tissue, work);
-            solve(lanes, &now, self.iterations, work);
+            let iterations = match round < self.newton {
+                true => self.iterations.div_ceil(EARLIER),
+                false => self.iterations,
+            };
+            solve(lanes, &now, iterations, work);
             let further = coupling.gather(&work.solution);
             moved.iter_mut().zip(&further).for_each(|(m, f)| *m += f);
             for (step, solution) in work.step.iter_mut().zip(&work.solution) {

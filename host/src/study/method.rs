@@ -35,6 +35,8 @@ pub enum Method {
 const XPBD_SUBSTEPS: u16 = 20;
 /// Iterations of `pd` where none are named.
 const PD_ITERATIONS: u16 = 4;
+/// Part of the largest stable step above which an explicit run is warned about.
+pub const NEAR: f64 = 0.9;
 /// Most substeps or iterations of a comparator.
 const MOST: u16 = 1000;
 
@@ -141,7 +143,7 @@ impl FromStr for Method {
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum NotBuilt {
     /// Too few substeps.
-    #[error("{method} is unstable on this block: explicit:{least} is the smallest stable count")]
+    #[error("{method} is unstable on this lattice: explicit:{least} is the smallest stable count")]
     Unstable {
         /// What was asked for.
         method: Method,

@@ -25,7 +25,7 @@ use self::drive::Poke;
 use self::errors::Comparison;
 use super::block::{self, Block, Spec};
 use super::double::{Model, NoEquilibrium, V};
-use super::method::{Method, NotBuilt};
+use super::method::{Method, NEAR, NotBuilt};
 use super::path::Course;
 use crate::run::report::TickTime;
 
@@ -33,8 +33,6 @@ use crate::run::report::TickTime;
 pub const TICKS_MAX: u32 = 60_000;
 /// Mass damping of the yardstick's work [1/s].
 pub const DAMPING_PER_S: f64 = 50.0;
-/// Part of the largest stable step above which an explicit run is warned about.
-const NEAR: f64 = 0.9;
 
 /// What to poke, and how.
 #[derive(Clone, Debug, PartialEq)]

@@ -18,7 +18,7 @@ pub enum Solver {
     },
     /// Backward Euler: `newton` linearisations, each with `iterations` of preconditioned conjugate gradients.
     BePcg {
-        /// Conjugate-gradient iterations of one linear solve.
+        /// Conjugate-gradient iterations of the last Newton step; those before take a third.
         iterations: u16,
         /// Newton steps a tick.
         newton: u16,
