@@ -4,6 +4,11 @@
 //! A voxel of edge a owns its springs: twelve edges of k_n/4 each and four body diagonals of k_d each. Summed over
 //! voxels this gives a block of any size the bulk's moduli exactly, and tissues side by side their own.
 //! Of a lattice so assembled C11 = (k_n + 4k_d/3)/a and C12 = C44 = 4k_d/(3a).
+//!
+//! Those are the moduli of deformations that are smooth over several voxels. Edges upright and body diagonals join nodes of equal i + j
+//! only, so columns of even i + j slide along those of odd i + j at no linear cost, and likewise about the other axes: a force on one node
+//! moves it about twice as far as a continuum, one spread over both kinds ([`crate::coupling::Kernel`]) does not. Where such a
+//! pattern is compressed and nothing near holds it, it buckles; held sides and bottoms delay that.
 
 mod curve;
 mod fit;
