@@ -32,9 +32,14 @@ pub struct Stiffness {
     pub barrier: f32,
 }
 
-/// J_b, the part of its volume that a voxel keeps before the barrier acts.
+/// J_b, the part of its volume that a voxel keeps before the barrier acts: less than any scene leaves it that is not a blow.
 pub const BARRIER_BELOW: f32 = 0.3;
-/// B over E.
+/// B over E: enough that no mirrored voxel rests.
+///
+/// Springs are as content mirrored as they are upright, and hold a voxel diag(1, 1, s) a of −1 < s < 0 back from flattening with the force
+/// k_n (1 + s) a of the edges and that of the shortened diagonals. The barrier's, B (J_b − s) a², is greater all the way where
+/// B > k_n/(J_b a) = 2.7 E; where the diagonals lock ([`Breaks::lock`]), where B > 6.4 E. Past s = 0 the edges push on by themselves.
+/// It is quadratic, and a slope that rises no more than a curve's own breakpoints do is what one Newton step a tick can follow.
 const BARRIER: f32 = 8.0;
 
 /// The stiffness a law gives.
@@ -68,6 +73,35 @@ pub const fn stiffness(law: Law) -> Stiffness {
                 diagonal: 0.75 * shear,
                 volume: shear * (4.0 * poisson - 1.0) / (1.0 - 2.0 * poisson),
                 barrier: BARRIER,
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use sutura_shared::scene::Segment;
+
+    /// Of a voxel diag(1, 1, s) a the springs hold less than the barrier pushes, at every s from −1 to 0, with locks and without.
+    #[test]
+    fn the_barrier_is_stronger_than_a_mirrored_voxel() {
+        let line = [Segment {
+            from_strain: 0.0,
+            slope_pa: 1.0,
+        }];
+        for poisson in [0.25, 0.3, 0.4, 0.45, 0.49] {
+            let stiffness = stiffness(Law::Volume { poisson });
+            let locked = Curve::new(&line, stiffness).diagonal;
+            for diagonal in [locked, Breaks::default()] {
+                for thousandths in -1000..0_i16 {
+                    let s = 0.001 * f32::from(thousandths);
+                    let over = libm::sqrtf((2.0 + s * s) / 3.0);
+                    let diagonals = 4.0 * stiffness.diagonal * diagonal.tension(over - 1.0) * s / over;
+                    let springs = stiffness.edge * (1.0 + s) + diagonals;
+                    let barrier = stiffness.barrier * (BARRIER_BELOW - s);
+                    assert!(barrier > 1.2 * springs, "{poisson} {s}: {barrier} against {springs}");
+                }
             }
         }
     }

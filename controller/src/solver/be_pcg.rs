@@ -11,6 +11,9 @@ use crate::math::Vec3;
 
 /// Newton steps before the last only bring springs to their segments, for which this part of the iterations is enough.
 const EARLIER: u16 = 3;
+/// rᵀ M⁻¹ r below which what is left is rounding [J]: sums of squares of single numbers lose their digits from there down, and a solve that
+/// goes on there may diverge.
+const ROUNDING: f32 = 1e-34;
 
 /// The method's dials.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -89,14 +92,14 @@ fn solve<L: Lanes, const N: usize>(lanes: L, problem: &Problem<'_, N>, iteration
     turn(lanes, n, (points.as_ref(), &back), [0.0, 0.0], work);
     for _ in 0..iterations {
         let curvature = operator::apply(lanes, problem, points.as_ref(), work);
-        // A residual that is zero already, or rounding, ends the progress but not the loop.
-        let along = if curvature > 0.0 && rz > 0.0 {
+        // A residual that is rounding already ends the progress but not the loop.
+        let along = if curvature > ROUNDING && rz > ROUNDING {
             rz / curvature
         } else {
             0.0
         };
         let (next, back) = reduce(lanes, n, points.as_ref(), along, work);
-        let keep = if rz > 0.0 { next / rz } else { 0.0 };
+        let keep = if rz > ROUNDING { next / rz } else { 0.0 };
         rz = next;
         turn(lanes, n, (points.as_ref(), &back), [along, keep], work);
     }

@@ -260,3 +260,84 @@ fn scaled<L: Lanes>(mut vectors: [[L::F; 3]; 3], by: L::F) -> [[L::F; 3]; 3] {
     }
     vectors
 }
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+    use super::*;
+    use crate::lanes::Single;
+    use std::boxed::Box;
+
+    const N: usize = Lattice::<0>::guard([5, 4, 4]) as usize;
+
+    /// Numbers from −1 to 1 without a pattern, at nodes of the box.
+    fn rough(lattice: &Lattice<N>, scale: f32, seed: f64) -> Box<Field<N>> {
+        let mut field: Box<Field<N>> = bytemuck::zeroed_box();
+        for (c, part) in field.iter_mut().enumerate() {
+            for (_, n) in lattice.nodes() {
+                part[n] = scale * libm::sin((n * 3 + c) as f64 * 12.9898 + seed) as f32;
+            }
+        }
+        field
+    }
+
+    fn dot(a: &Field<N>, b: &Field<N>) -> f64 {
+        let pairs = a.iter().flatten().zip(b.iter().flatten());
+        pairs.map(|(a, b)| f64::from(*a) * f64::from(*b)).sum()
+    }
+
+    /// Voxels of 2 mm with Λ = 276 kPa and B = 800 kPa, a third of the lowest layer of nodes held.
+    fn lattice() -> Box<Lattice<N>> {
+        let mut lattice: Box<Lattice<N>> = bytemuck::zeroed_box();
+        (lattice.nodes, lattice.pitch) = ([5, 4, 4], 2e-3);
+        for ([i, j, k], n) in lattice.nodes() {
+            lattice.mass[n] = 1e-6;
+            lattice.free[n] = if k == 0 && i % 3 == 0 { 0.0 } else { 1.0 };
+            if i < 4 && j < 3 && k < 3 {
+                (lattice.volume[n], lattice.barrier[n]) = (276e3, 800e3);
+            }
+        }
+        lattice
+    }
+
+    /// aᵀ K b = bᵀ K a and aᵀ K a ≥ 0, near rest and where voxels are inverted; the diagonal is that of K.
+    #[test]
+    fn the_operator_is_symmetric_and_positive() {
+        let lattice = lattice();
+        let mut work: Box<Work<N>> = bytemuck::zeroed_box();
+        for shift in [1e-5, 2e-3, 6e-3] {
+            work.place = *rough(&lattice, shift, 0.5);
+            work.inverse_diagonal
+                .iter_mut()
+                .for_each(|part| part.copy_from_slice(&lattice.free));
+            linearise(Single, &lattice, &mut work);
+            let inverse_diagonal = work.inverse_diagonal;
+            let mut product = |p: &Field<N>| {
+                work.search = *p;
+                work.product = [[0.0; N]; 3];
+                let curvature = apply(Single, &lattice, &mut work);
+                (work.product, f64::from(curvature))
+            };
+            for seed in 1..20_u8 {
+                let [a, b] = [0.0, 0.3].map(|more| rough(&lattice, 1.0, f64::from(seed) + more));
+                let ((ka, aka), (kb, _)) = (product(&a), product(&b));
+                let scale = libm::sqrt(dot(&ka, &ka) * dot(&b, &b));
+                assert!((dot(&b, &ka) - dot(&a, &kb)).abs() < 1e-5 * scale);
+                assert!(aka > 0.0 && (dot(&a, &ka) / aka - 1.0).abs() < 1e-4);
+            }
+            for (_, n) in lattice.nodes().filter(|(_, n)| lattice.free[*n] > 0.0) {
+                for c in 0..3 {
+                    let mut unit: Box<Field<N>> = bytemuck::zeroed_box();
+                    unit[c][n] = 1.0;
+                    let (_, own) = product(&unit);
+                    let expected = 1.0 / (1.0 + own);
+                    let inverse = f64::from(inverse_diagonal[c][n]);
+                    assert!(
+                        (inverse / expected - 1.0).abs() < 1e-5,
+                        "{n} {c}: {inverse} for {expected}"
+                    );
+                }
+            }
+        }
+    }
+}

@@ -12,6 +12,7 @@ mod needle;
 mod patch;
 mod reference;
 mod statics;
+mod swelling;
 mod volume;
 mod waves;
 mod wound;
