@@ -14,7 +14,8 @@ use sutura_controller::lanes::Level;
 use sutura_controller::link::Plant as _;
 use sutura_shared::message::ToHost;
 
-use crate::scenario::{self, PcRig};
+use crate::scenario;
+use sutura::run::embedded::PcRig;
 
 /// Ticks of the scenario: the ball comes down and presses.
 pub const TICKS: u32 = 2_000;

@@ -10,11 +10,7 @@ use sutura::scene;
 use sutura::scene::build::{self, Built};
 use sutura_controller::lanes::Level;
 use sutura_controller::lattice::PC_NODES;
-use sutura_controller::rig::Rig;
 use sutura_controller::tick::{Controller, Memory};
-
-/// Controller, simulated hand and device, with room for the largest patch.
-pub type PcRig<'m> = Rig<'m, PC_NODES>;
 
 /// Memory for one rig, on the heap.
 #[must_use]

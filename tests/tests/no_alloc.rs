@@ -57,13 +57,14 @@ use std::cell::RefCell;
 use std::hint::black_box;
 use std::time::Duration;
 use sutura::link::{Link, Transport};
+use sutura::run::embedded::PcRig;
 use sutura_controller::lanes::Level;
 use sutura_controller::link::Server;
 use sutura_shared::frame::Decoder;
 use sutura_shared::limits::{STAGING_MAX, WIRE_MAX};
 use sutura_shared::message::{Grant, Telemetry, ToController, ToHost};
 use sutura_shared::scene::{Effect, Stage};
-use sutura_tests::scenario::{self, PcRig};
+use sutura_tests::scenario;
 
 /// Twelve seconds of the simulated hand: the whole stitch.
 const TICKS: u32 = 12_000;

@@ -3,10 +3,11 @@
 // The lint knows tests, not what they call.
 #![allow(clippy::unwrap_used)]
 
+use sutura::run::embedded::PcRig;
 use sutura_controller::lanes::Level;
 use sutura_controller::link::Plant as _;
 use sutura_shared::scene::Site;
-use sutura_tests::scenario::{self, PcRig};
+use sutura_tests::scenario;
 
 /// Ticks between two looks at all voxels.
 const LOOK: u32 = 10;

@@ -6,11 +6,12 @@
 use std::path::PathBuf;
 use std::sync::OnceLock;
 
+use sutura::run::embedded::PcRig;
 use sutura::run::report::Report;
 use sutura_controller::lanes::Level;
 use sutura_controller::lattice;
 use sutura_controller::link::Plant as _;
-use sutura_tests::scenario::{self, PcRig};
+use sutura_tests::scenario;
 
 /// The stages of one stitch.
 const STAGES: [&str; 8] = [
