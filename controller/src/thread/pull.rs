@@ -6,10 +6,15 @@ use super::link::tied_stiffness;
 use super::state::{NODES_MAX, Place, Run, State};
 use crate::math::{Vec3, direction, length};
 
+/// Eq. 11 is for springs in series at one tension, of which the needle's coupling is one. While a slack thread is drawn along,
+/// single links overshoot within a tick and the coupling bears nothing of it: more than this multiple of what it bears is no
+/// pull. A taut thread differs from its coupling by its weight and inertia alone, and is left as Eq. 11 has it.
+const OVERSHOOT: f32 = 2.0;
+
 /// The thread at the end of a tick.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Pull {
-    /// Tension by Eq. 11 with c = 1, between the needle and what holds the thread [N].
+    /// Tension by Eq. 11 with c = 1, between the needle and what holds the thread [N]; at most twice what the needle's coupling bears.
     pub tension: f32,
     /// Direction from N₀ along the thread; zero where the first link has no length.
     pub direction: Vec3,
@@ -17,7 +22,7 @@ pub struct Pull {
     pub on_needle: Vec3,
     /// Overall elongation Δl of Eq. 10, below zero where the thread is slack [m].
     pub elongation: f32,
-    /// Tension between the two punctures [N]; zero before the thread runs through the right one.
+    /// Tension between the two punctures [N], the needle's until the knot; zero before the thread runs through the right one.
     pub stitch: f32,
     /// Length of thread between the two punctures, along its links [m].
     pub between: f32,
@@ -64,6 +69,7 @@ impl Sum {
 pub(super) fn pull(params: &Params, state: &State, swage: Option<Vec3>) -> Pull {
     let [first, second, ..] = &state.nodes;
     let on_needle = swage.map_or_else(Vec3::zeros, |swage| Place::new(swage).to(first) * params.coupling);
+    let most = swage.map_or(f32::INFINITY, |_| OVERSHOOT * length(on_needle));
     let (run, eyelet) = match state.eyelet {
         Some(eyelet) => (state.run, Place::new(eyelet)),
         None => (Run::Free, Place::default()),
@@ -84,7 +90,7 @@ pub(super) fn pull(params: &Params, state: &State, swage: Option<Vec3>) -> Pull 
             whole.link(params, a.length + b.length);
             whole.elongation += inside.elongation;
             whole.compliance += inside.compliance;
-            (whole, whole.tension(), b.length + inside.length)
+            (whole, whole.tension().min(most), b.length + inside.length)
         }
         Run::Tied { link, rest } => {
             let [a, b] = pieces(&state.nodes, params.nodes, link, &eyelet);
@@ -97,7 +103,7 @@ pub(super) fn pull(params: &Params, state: &State, swage: Option<Vec3>) -> Pull 
         }
     };
     Pull {
-        tension: needle.tension(),
+        tension: needle.tension().min(most),
         direction: direction(start, 1e-9),
         on_needle,
         elongation: needle.elongation,

@@ -223,6 +223,44 @@ fn a_thread_is_drawn_through_at_1_m_per_s() {
     pulled_through(1.0);
 }
 
+/// 100 mm of slack thread is drawn through the eyelet at 70 mm/s; its tail is held `bite` [m] away, at 90° + `turn_deg` to the
+/// way of the needle. Largest tension while at least 2 mm more thread is left than the way from needle to eyelet to tail.
+fn slack_tension(turn_deg: f32, bite: f32) -> f32 {
+    let params = params(21, 0.005, &[Effect::Gravity, Effect::ThreadContact]);
+    let (sin, cos) = libm::sincosf(turn_deg.to_radians());
+    let eyelet = Vec3::new(0.005, 0.0, 0.0);
+    let tail = eyelet - Vec3::x() * bite;
+    let mut tissue = Tissue::new([tail, eyelet]);
+    let mut state = State::laid(&params, eyelet, tail, Vec3::y());
+    state.lead_through();
+    let mut thread = Thread::new(state);
+    let mut most = 0.0_f32;
+    for tick in 1..2000 {
+        let swage = eyelet + Vec3::new(sin, 0.0, cos) * (70e-6 * tick as f32);
+        let pull = tissue.tick(&params, &mut thread, swage, &Floor);
+        if length(swage - tissue.at[1]) + length(tissue.at[1] - tissue.at[0]) > params.length() - 2e-3 {
+            return most;
+        }
+        most = most.max(pull.tension).max(pull.stitch).max(length(pull.on_needle));
+    }
+    most
+}
+
+/// A slack thread bears its weight (42 µN) and the snap of single links, ρ c v = 4 mN at c = √(EA/ρ) = 1330 m/s.
+#[test]
+fn a_slack_thread_does_not_pull_at_whatever_angle_its_tail_lies() {
+    for turn_deg in (-90..=90).step_by(10) {
+        for bite in [3e-3, 5e-3, 8e-3, 12e-3] {
+            let most = slack_tension(turn_deg as f32, bite);
+            assert!(
+                most < 5e-3,
+                "{most} N with the tail at {}°, {bite} m away",
+                90 + turn_deg
+            );
+        }
+    }
+}
+
 /// Tied under tension, the stitch keeps it when the needle lets go and is cut off.
 #[test]
 fn a_tied_thread_keeps_the_tension_between_the_punctures() {
