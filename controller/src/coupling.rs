@@ -103,10 +103,11 @@ impl Default for Coupling {
 }
 
 impl Coupling {
-    /// Whether nothing holds the tissue.
+    /// Whether nothing holds or pulls the tissue.
     #[must_use]
     pub fn is_idle(&self) -> bool {
-        self.stiffness.iter().flatten().all(|s| *s == Mat3::zeros())
+        let soft = self.stiffness.iter().flatten().all(|s| *s == Mat3::zeros());
+        soft && self.force.iter().all(|f| *f == Vec3::zeros())
     }
 
     /// Weighted means of a field at the points.

@@ -138,9 +138,7 @@ const fn what_fits(error: ConfigError) -> &'static str {
         ConfigError::Thread(thread::ConfigError::Nodes(_)) => "thread.nodes: within the controller's capacity",
         ConfigError::Thread(thread::ConfigError::Link) => "thread.link_m: at least 2 mm",
         ConfigError::Thread(thread::ConfigError::Coefficient(name)) => name,
-        ConfigError::Solver(_) => {
-            "solver: explicit with as many substeps as are stable (without a number it takes the fewest)"
-        }
+        ConfigError::Solver(_) => "solver: explicit without a number takes as few as are stable",
         ConfigError::Wound => "wound: at most 1,024 pairs of facing nodes",
         ConfigError::NoSkinAtSite => "stitch: skin where the thread's tail is held",
     }

@@ -12,7 +12,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use sutura_controller::lanes::Level;
 use sutura_controller::record::{Fault, Faults};
 use sutura_shared::message::{Telemetry, ToHost, UploadError};
-use sutura_shared::scene::{Effect, Stage};
+use sutura_shared::scene::{Effect, Solver, Stage};
 
 use crate::link::{Counts, Link, LinkError, Pace, Ran};
 use crate::scene;
@@ -35,11 +35,11 @@ const AFTER: u32 = 1_500;
 pub fn run(request: &Request, interrupted: &AtomicBool, progress: impl FnMut(&Telemetry)) -> Result<Report, Error> {
     let mut plan = scene::load(request.scene.as_deref())?;
     scene::replace_meshes(&mut plan, &request.meshes)?;
-    let built = build::build(&plan, embedded::NODES_MAX)?;
+    let mut built = build::build(&plan, embedded::NODES_MAX)?;
     for warning in &built.warnings {
         tracing::warn!("{warning}");
     }
-    steps(&built)?;
+    built.scene.solver = settled(&built, request.level)?;
     files::folder(&request.out)?;
     let session = session(request, &built, interrupted, progress)?;
     if session.ran.skipped > 0 {
@@ -207,20 +207,20 @@ pub struct Request {
     pub out: PathBuf,
 }
 
-/// Refuses too few explicit substeps, as the controller does, but says how many are enough; warns where they hardly are.
-fn steps(built: &Built) -> Result<(), Error> {
-    let asked = Method::Controller(built.scene.solver);
-    if asked.explicit_substeps().is_none() {
-        return Ok(());
-    }
+/// The scene's solver; explicit without a number gets the smallest stable count. Fewer are refused, as the controller does, but with the
+/// count that is enough; where they hardly are, there is a warning.
+fn settled(built: &Built, level: Level) -> Result<Solver, Error> {
+    let Solver::Explicit { substeps: asked } = built.scene.solver else {
+        return Ok(built.scene.solver);
+    };
     let block = Block::of(&built.scene, &built.cells).map_err(Error::Lattice)?;
-    let (chosen, _) = asked.build(&block)?;
-    let (least, _) = Method::explicit(0).build(&block)?;
-    let [chosen, least] = [chosen, least].map(|method| method.explicit_substeps().map_or(0.0, f64::from));
-    if asked.explicit_substeps() != Some(0) && least > NEAR * chosen {
-        tracing::warn!("solver: {asked} is close to unstable: explicit:{least} is the smallest stable count");
+    let (method, _) = Method::explicit(asked).build(&block, level)?;
+    let (fewest, _) = Method::explicit(0).build(&block, level)?;
+    let [substeps, least] = [method, fewest].map(|method| method.explicit_substeps().unwrap_or(asked));
+    if asked > 0 && f64::from(least) > NEAR * f64::from(asked) {
+        tracing::warn!("solver: explicit:{asked} is close to unstable: explicit:{least} is the smallest stable count");
     }
-    Ok(())
+    Ok(Solver::Explicit { substeps })
 }
 
 /// What came of a session with a controller.
@@ -246,7 +246,7 @@ pub enum Error {
     Lattice(block::Error),
     /// The solver on this patch.
     #[error("solver: {0}")]
-    Solver(#[from] NotBuilt),
+    Unstable(#[from] NotBuilt),
     /// The files of the run.
     #[error(transparent)]
     Files(#[from] files::Error),
@@ -282,7 +282,7 @@ impl Error {
             Self::Scene(_)
             | Self::Build(_)
             | Self::Lattice(_)
-            | Self::Solver(_)
+            | Self::Unstable(_)
             | Self::Files(files::Error::File { .. })
             | Self::Thread(_)
             | Self::Stuck { .. } => 2,

@@ -66,6 +66,13 @@ impl Breaks {
         sides.map(steepest).into_iter().fold(1.0, f32::max)
     }
 
+    /// Slope over the first slope at the strain −`compression` of a spring that has a lock.
+    #[must_use]
+    pub fn locked(&self, compression: f32) -> f32 {
+        let (at, gain) = self.lock;
+        1.0 + gain * (compression - at).max(0.0)
+    }
+
     /// Slope over the first slope beyond the last breakpoint.
     pub(super) fn last_slope(&self) -> f32 {
         let pieces = self.strain.iter().zip(&self.rise).filter(|(at, _)| **at >= 0.0);

@@ -11,9 +11,13 @@ const ROUNDS: usize = 100;
 /// Added to ω for what the iteration falls short of, and for springs that turn and stretch.
 const MARGIN: f32 = 1.02;
 
+/// Compression of the body diagonals up to which explicit steps are to be stable: about what a needle does before it goes through.
+const LOCKED: f32 = 0.15;
+
 /// The smallest stable number of explicit substeps a tick: h < 2/ω, with β-dashpots h < (√(1 + ζ²) − ζ) 2/ω and ζ = β ω/2.
 ///
-/// ω is that of the lattice at rest with every spring at the steepest slope of its curve, and voxels that keep their volume.
+/// ω is that of the lattice at rest with every spring at the steepest slope of its curve, body diagonals also locked by [`LOCKED`], and voxels
+/// that keep their volume. A lock pressed further, and the barrier of a voxel about to invert, are steeper still.
 pub fn fewest_substeps<const N: usize>(problem: &Problem<'_, N>, work: &mut Work<N>) -> u16 {
     let omega = MARGIN * sqrt(run_on!(problem.level, lanes => fastest(lanes, problem, work)));
     let zeta = 0.5 * problem.material.spring_damping * omega;
@@ -87,7 +91,11 @@ fn stiffen<L: Lanes, const N: usize>(lanes: L, problem: &Problem<'_, N>, work: &
             let mut stiffness = lanes.splat(0.0);
             for (curve, first) in material.curves.iter().zip(&lattice.stiffness) {
                 let breaks = if d < EDGES { &curve.edge } else { &curve.diagonal };
-                let steepest = if material.stiffening { breaks.steepest() } else { 1.0 };
+                let steepest = if material.stiffening {
+                    breaks.steepest().max(breaks.locked(LOCKED))
+                } else {
+                    1.0
+                };
                 stiffness = stiffness + lanes.splat(steepest) * lanes.load(&first[d], at);
             }
             // Unit directions have parts of 1 along an edge, of ±1/√3 along a diagonal.

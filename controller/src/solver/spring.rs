@@ -27,7 +27,7 @@ pub(super) struct Spring<F> {
     pub(super) product: F,
 }
 
-/// Rest length of direction `D` over the pitch.
+/// Whether direction `D` is a body diagonal.
 #[inline(always)]
 const fn diagonal<const D: usize>() -> bool {
     D >= EDGES

@@ -8,6 +8,8 @@ use sutura_shared::scene::{
     self, Assembly, Body, Contact, Device, Effect, Effects, Law, Output, Pose, Profile, Scene, Segment, Solver, Tool,
 };
 
+use crate::run::embedded::NODES_MAX;
+
 /// Slopes over the first one and where they begin: strains of 3 and 6 %.
 const STIFFENING: [(f32, f64); 3] = [(0.0, 1.0), (0.03, 4.0), (0.06, 10.0)];
 
@@ -48,7 +50,7 @@ impl Block {
     /// See [`Error`].
     pub fn new(spec: &Spec) -> Result<Self, Error> {
         let [nx, ny, nz] = spec.nodes;
-        let capacity = PC_NODES as u64;
+        let capacity = NODES_MAX as u64;
         // In 64 bits: a user may ask for more than 32 hold.
         let [x, y, z] = spec.nodes.map(u64::from);
         let fits = [x, y, z].iter().all(|n| (2..=256).contains(n)) && x * y * z <= capacity;

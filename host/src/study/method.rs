@@ -44,11 +44,11 @@ const MOST: u16 = 1000;
 pub type Boxed = Box<dyn solver::Solver<PC_NODES>>;
 
 impl Method {
-    /// The solver itself for a block as it is held now, and the method with the count of substeps that it has chosen.
+    /// The solver itself for a block as it is held now, its passes on `level`, and the method with the count of substeps that it has chosen.
     ///
     /// # Errors
     /// See [`NotBuilt`].
-    pub fn build(self, block: &Block) -> Result<(Self, Boxed), NotBuilt> {
+    pub fn build(self, block: &Block, level: Level) -> Result<(Self, Boxed), NotBuilt> {
         match self {
             Self::Controller(solver) => {
                 let coupling = Coupling::default();
@@ -57,7 +57,7 @@ impl Method {
                     material: &block.material,
                     coupling: &coupling,
                     faces: None,
-                    level: Level::best(),
+                    level,
                 };
                 let choice = Choice::new(solver, &problem, &mut zeroed_box()).map_err(|refused| match refused {
                     Refused::Unstable { least } => NotBuilt::Unstable { method: self, least },

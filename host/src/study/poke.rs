@@ -1,7 +1,7 @@
 //! The work of `sutura poke`: one node of a block is moved on a path, and its reaction and the time of every tick are recorded.
 //!
 //! Block: bottom layer held, no gravity, no dashpots, mass damping. The moved node is a held node with a velocity, so that every solver
-//! takes it along within the tick; at a tick's end it is put on its place exactly. The reaction is the elastic force of its springs.
+//! takes it along within the tick; at a tick's end it is put on its place exactly. The reaction is the elastic force of its springs and voxels.
 //!
 //! With a reference: the same block and path in double precision ([`super::double`]), converged. Errors are relative to its root mean
 //! square over all ticks: of the force, and over all nodes and ticks of the displacement.
@@ -68,8 +68,10 @@ pub fn run(request: &Request, interrupted: &AtomicBool, mut progress: impl FnMut
         return Err(Error::Volume { method: request.method });
     }
     let (poke, model) = prepare(request)?;
-    let (method, solver) = request.method.build(&poke.block)?;
-    warn_near(method, &model);
+    let (method, solver) = request.method.build(&poke.block, request.level)?;
+    if request.method.explicit_substeps() != Some(0) {
+        warn_near(method, &model);
+    }
     let go_on = || match interrupted.load(Ordering::Relaxed) {
         true => Err(Error::Interrupted),
         false => Ok(()),

@@ -15,7 +15,7 @@ pub enum Law {
     /// k_n = 0.45 E a, k_d = 0.25 E a as printed by Lian & Chen (Eqs 5, 6).
     Paper,
     /// k_n = 2 G a, k_d = 0.75 G a with G = E/(2(1 + ν)), and for each voxel the energy ½ Λ (J − 1)² a³ with
-    /// Λ = G (4ν − 1)/(1 − 2ν): isotropic, E and ν exact.
+    /// Λ = G (4ν − 1)/(1 − 2ν): isotropic, E and ν exact. Below J = 0.3 a barrier keeps voxels from inverting.
     Volume {
         /// Poisson's ratio ν; within [`POISSON`].
         poisson: f32,

@@ -82,7 +82,8 @@ impl<'a> March<'a> {
                     .iter_mut()
                     .zip(displacement)
                     .zip(force.iter().zip(&self.model.mass));
-                for ((v, u), (f, m)) in nodes {
+                // Nodes of the box that do not exist have no mass.
+                for ((v, u), (f, m)) in nodes.filter(|(_, (_, m))| **m > 0.0) {
                     *v = (*v + h * f / m) * keep;
                     *u += h * *v;
                 }
