@@ -85,6 +85,12 @@ impl Faces {
             .map(|left| (usize::from(*left), usize::from(*left) + self.across))
     }
 
+    /// Columns from the left face to the right one.
+    #[must_use]
+    pub const fn across(&self) -> usize {
+        self.across
+    }
+
     /// Width of a pair whose nodes have moved by these x displacements [m].
     #[must_use]
     pub fn width(&self, left: f32, right: f32) -> f32 {

@@ -88,6 +88,33 @@ fn a_second_run_has_the_same_bits() {
     assert_eq!(second.ticks, built_in().ticks);
 }
 
+/// The built-in scene with another solver.
+fn sewn_with(solver: &str) -> Report {
+    let text = std::fs::read_to_string(scenario::scene_file("stitch")).unwrap();
+    let asked = text.lines().find(|line| line.starts_with("solver = ")).unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("stitch.toml");
+    std::fs::write(&file, text.replace(asked, &format!("solver = \"{solver}\""))).unwrap();
+    let report = scenario::run(Some(file)).unwrap();
+    assert_eq!(report.solver, solver);
+    report
+}
+
+/// Needle, thread and wound enter every implicit solver alike.
+#[test]
+fn every_implicit_solver_sews() {
+    for solver in ["be-chebyshev:20", "vbd:8:1.5"] {
+        let report = sewn_with(solver);
+        closes(&report);
+        assert_eq!(stage_names(&report), STAGES, "{solver}");
+        assert_eq!(report.punctures.len(), 2, "{solver}");
+        for puncture in &report.punctures {
+            let ratio = puncture.force_n / puncture.f0_n;
+            assert!((ratio - 1.0).abs() <= 0.03, "{solver}: {puncture:?}");
+        }
+    }
+}
+
 /// The skull's meshes are real, with all their faults.
 #[test]
 fn a_wound_in_a_real_head_closes() {

@@ -1,7 +1,7 @@
 //! The solver that a scene asks for, with what it computes at build.
 
 use super::spectrum::fewest_substeps;
-use super::{BePcg, Explicit, Problem, Solver, Work};
+use super::{BeChebyshev, BePcg, Explicit, Problem, Solver, Vbd, Work};
 use crate::coupling::POINTS;
 use crate::lattice::{Field, Tissue};
 use crate::math::Vec3;
@@ -14,13 +14,15 @@ pub enum Choice {
     Explicit(Explicit),
     /// Backward Euler by conjugate gradients.
     BePcg(BePcg),
+    /// Backward Euler by Chebyshev iteration.
+    BeChebyshev(BeChebyshev),
+    /// Backward Euler by vertex block descent.
+    Vbd(Vbd),
 }
 
 /// Why a scene's solver cannot run its patch.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Refused {
-    /// There is no such solver here.
-    Missing,
     /// Fewer explicit substeps than are stable at the steepest segment of every curve.
     Unstable {
         /// The smallest stable count.
@@ -49,7 +51,10 @@ impl Choice {
                 }
             }
             scene::Solver::BePcg { iterations, newton } => Ok(Self::BePcg(BePcg { iterations, newton })),
-            scene::Solver::BeChebyshev { .. } | scene::Solver::Vbd { .. } => Err(Refused::Missing),
+            scene::Solver::BeChebyshev { iterations } => {
+                Ok(Self::BeChebyshev(BeChebyshev::new(iterations, problem, work)))
+            }
+            scene::Solver::Vbd { sweeps, omega } => Ok(Self::Vbd(Vbd { sweeps, omega })),
         }
     }
 }
@@ -65,6 +70,8 @@ impl<const N: usize> Solver<N> for Choice {
         match self {
             Self::Explicit(solver) => solver.advance(problem, load, tissue, work),
             Self::BePcg(solver) => solver.advance(problem, load, tissue, work),
+            Self::BeChebyshev(solver) => solver.advance(problem, load, tissue, work),
+            Self::Vbd(solver) => solver.advance(problem, load, tissue, work),
         }
     }
 }

@@ -1,6 +1,7 @@
 //! How the stiff spring system is advanced by one tick: one file per method, one trait.
 
 mod assembly;
+mod be_chebyshev;
 mod be_pcg;
 mod choice;
 mod explicit;
@@ -10,14 +11,18 @@ mod spectrum;
 mod spring;
 mod step;
 mod sweep;
+mod symmetric;
+mod vbd;
 mod volume;
 mod voxel;
 
 pub use assembly::elastic_force;
+pub use be_chebyshev::BeChebyshev;
 pub use be_pcg::BePcg;
 pub use choice::{Choice, Refused};
 pub use explicit::Explicit;
 pub use spectrum::fewest_substeps;
+pub use vbd::Vbd;
 
 use crate::coupling::Coupling;
 use crate::lanes::{Lanes, Level, blocks, run_on};
@@ -26,7 +31,9 @@ use crate::law::Material;
 use crate::math::Vec3;
 use crate::wound::{Faces, PAIRS_MAX};
 use bytemuck::Zeroable;
+
 use sweep::Given;
+use symmetric::Symmetric;
 
 /// What a solver is given: nothing here changes during a tick.
 #[derive(Clone, Copy, Debug)]
@@ -76,6 +83,8 @@ pub struct Work<const N: usize> {
     product: Field<N>,
     /// Inverse of the operator's diagonal; zero at held nodes.
     inverse_diagonal: Field<N>,
+    /// Inverse of the operator's 3 × 3 block at a node; zero at held nodes.
+    inverse_block: Symmetric<N>,
     /// Spring direction times the root of its axial stiffness less its transverse one, by direction [√(N/m)].
     axial: [Field<N>; DIRECTIONS],
     /// Transverse stiffness T/l ≥ 0 by direction [N/m].
@@ -100,6 +109,7 @@ impl<const N: usize> Work<N> {
             search,
             product,
             inverse_diagonal,
+            inverse_block,
             axial,
             transverse,
             growth,
@@ -108,7 +118,11 @@ impl<const N: usize> Work<N> {
         } = self;
         let fields = [step, place, residual, solution, search, product, inverse_diagonal];
         let fields = fields.into_iter().chain(axial).chain(growth);
-        let arrays = fields.flatten().chain(transverse).chain([pressure]);
+        let arrays = fields
+            .flatten()
+            .chain(inverse_block)
+            .chain(transverse)
+            .chain([pressure]);
         arrays.for_each(|array| array.fill(0.0));
         contact.fill(0.0);
         given.clear();

@@ -1,12 +1,18 @@
 //! The linearised operator A = m(1/dt² + α/dt) + K + WᵀSW + wound contact, applied in passes, and its preconditioner.
 
-use super::points::{Points, inner};
+use super::points::{Inverse, Points, inner};
+use super::spring::Ends;
 use super::sweep::{Pass, sweep};
 use super::{Problem, Work, volume};
 use crate::lanes::Lanes;
 use crate::lattice::{DIRECTIONS, Field, Lattice};
 use crate::math::DT;
-use crate::wound::Faces;
+use crate::wound::{Faces, PAIRS_MAX};
+
+/// 1/dt² + α/dt [1/s²].
+pub(super) fn inertia<const N: usize>(problem: &Problem<'_, N>) -> f32 {
+    1.0 / (DT * DT) + problem.material.mass_damping / DT
+}
 
 /// `work.product` = A · `work.search`; gives `search`ᵀ A `search`.
 #[inline(always)]
@@ -16,24 +22,40 @@ pub(super) fn apply<L: Lanes, const N: usize>(
     points: Option<&Points<'_>>,
     work: &mut Work<N>,
 ) -> f32 {
-    let inertia = 1.0 / (DT * DT) + problem.material.mass_damping / DT;
-    let mut curvature = tissue(lanes, problem, inertia, work);
+    let curvature = tissue(lanes, problem, inertia(problem), work);
+    let Work {
+        search,
+        product,
+        contact,
+        ..
+    } = work;
+    curvature + tie(problem, points, (search, contact), (1.0, product))
+}
+
+/// Adds `scale` times what wound contact and points answer `search` with to `sum`; gives the answer's inner product with `search`.
+pub(super) fn tie<const N: usize>(
+    problem: &Problem<'_, N>,
+    points: Option<&Points<'_>>,
+    (search, contact): (&Field<N>, &[f32; PAIRS_MAX]),
+    (scale, sum): (f32, &mut Field<N>),
+) -> f32 {
+    let mut curvature = 0.0;
     if let Some(faces) = problem.faces {
-        let ([search, ..], [product, ..]) = (&work.search, &mut work.product);
-        for ((left, right), penalty) in faces.pairs().zip(&work.contact) {
+        let ([search, ..], [sum, ..]) = (search, &mut *sum);
+        for ((left, right), penalty) in faces.pairs().zip(contact) {
             let (Some(a), Some(b)) = (search.get(left), search.get(right)) else {
                 continue;
             };
             let push = penalty * (b - a);
-            add_at(product, left, -push);
-            add_at(product, right, push);
+            add_at(sum, left, -scale * push);
+            add_at(sum, right, scale * push);
             curvature += push * (b - a);
         }
     }
     if let Some(coupling) = points.map(|points| points.coupling) {
-        let moved = coupling.gather(&work.search);
+        let moved = coupling.gather(search);
         let pull = coupling.product(&moved);
-        coupling.scatter(&pull, &mut work.product);
+        coupling.scatter(&pull.map(|pull| pull * scale), sum);
         curvature += inner(&moved, &pull);
     }
     curvature
@@ -100,17 +122,8 @@ impl<L: Lanes, const N: usize> Pass<L, 3> for Apply<'_, L, N> {
 
     #[inline(always)]
     fn spring<const D: usize>(&mut self, lanes: L, near: Self::Near, at: usize, far: usize) -> [L::F; 3] {
-        let [bx, by, bz] = lanes.vector(self.search, far);
-        let [ax, ay, az] = near;
-        let (x, y, z) = (bx - ax, by - ay, bz - az);
-        let [gx, gy, gz] = lanes.vector(&self.axial[D], at);
-        let across = lanes.load(&self.transverse[D], at);
-        let stretch = gx * x + gy * y + gz * z;
-        [
-            gx * stretch + across * x,
-            gy * stretch + across * y,
-            gz * stretch + across * z,
-        ]
+        let ends = [near, lanes.vector(self.search, far)];
+        answer::<L, D, N>(lanes, (self.axial, self.transverse), at, ends)
     }
 
     #[inline(always)]
@@ -125,32 +138,49 @@ impl<L: Lanes, const N: usize> Pass<L, 3> for Apply<'_, L, N> {
     }
 }
 
+/// What the springs of direction `D` from nodes `at…` pull their lower nodes with, to first order, where their ends move by `ends`.
+#[inline(always)]
+pub(super) fn answer<L: Lanes, const D: usize, const N: usize>(
+    lanes: L,
+    (axial, transverse): (&[Field<N>; DIRECTIONS], &[[f32; N]; DIRECTIONS]),
+    at: usize,
+    [[ax, ay, az], [bx, by, bz]]: Ends<L::F>,
+) -> [L::F; 3] {
+    let (x, y, z) = (bx - ax, by - ay, bz - az);
+    let [gx, gy, gz] = lanes.vector(&axial[D], at);
+    let across = lanes.load(&transverse[D], at);
+    let stretch = gx * x + gy * y + gz * z;
+    [
+        gx * stretch + across * x,
+        gy * stretch + across * y,
+        gz * stretch + across * z,
+    ]
+}
+
 fn add_at<const N: usize>(values: &mut [f32; N], index: usize, add: f32) {
     if let Some(value) = values.get_mut(index) {
         *value += add;
     }
 }
 
-/// Finds the wound's pairs that meet at the linearisation, adds their force to the residual and their stiffness to the diagonal,
-/// at nodes that move.
-pub(super) fn meet<const N: usize>(faces: &Faces, work: &mut Work<N>) {
-    let [place, ..] = &work.place;
-    let ([residual, ..], [diagonal, ..]) = (&mut work.residual, &mut work.inverse_diagonal);
-    for ((left, right), penalty) in faces.pairs().zip(&mut work.contact) {
+/// Finds the wound's pairs that meet at `place`, adds their force to the residual and their stiffness to the inverse of the diagonal.
+pub(super) fn meet<const N: usize>(
+    faces: &Faces,
+    [place, ..]: &Field<N>,
+    ([residual, ..], contact): (&mut Field<N>, &mut [f32; PAIRS_MAX]),
+    inverse: &mut impl Inverse,
+) {
+    for ((left, right), penalty) in faces.pairs().zip(contact) {
         let (Some(a), Some(b)) = (place.get(left), place.get(right)) else {
             continue;
         };
         let width = faces.width(*a, *b);
         *penalty = if width < 0.0 { faces.penalty } else { 0.0 };
         let push = -*penalty * width;
-        for (node, push) in [(left, -push), (right, push)] {
-            let Some(inverse) = diagonal.get_mut(node).filter(|inverse| **inverse > 0.0) else {
-                continue;
-            };
-            add_at(residual, node, push);
-            // The inverse of the diagonal with the penalty added.
-            *inverse /= 1.0 + *penalty * *inverse;
-        }
+        add_at(residual, left, -push);
+        add_at(residual, right, push);
+        inverse.stiffen(left, *penalty);
+        inverse.stiffen(right, *penalty);
     }
 }
 

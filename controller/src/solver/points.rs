@@ -1,12 +1,68 @@
 //! What needle and thread hold, within a solver: the points' part of the operator D + WᵀSW and of its inverse.
 
+use super::symmetric::Symmetric;
 use crate::coupling::{Coupling, POINTS, product};
 use crate::lattice::{Field, add, at};
 use crate::math::{Mat3, Vec3};
-use nalgebra::{SMatrix, SVector};
+use nalgebra::SMatrix;
 
 /// Unknowns of the coupling points.
 const UNKNOWNS: usize = 3 * POINTS;
+
+/// D⁻¹, node by node; zero at held nodes.
+pub(super) trait Inverse {
+    /// D⁻¹ v at a node.
+    fn times(&self, node: usize, v: Vec3) -> Vec3;
+    /// D⁻¹ at a node.
+    fn block(&self, node: usize) -> Mat3;
+    /// Adds a stiffness along x to D at a node [N/m].
+    fn stiffen(&mut self, node: usize, stiffness: f32);
+}
+
+/// The diagonal itself.
+impl<const N: usize> Inverse for Field<N> {
+    #[inline]
+    fn times(&self, node: usize, v: Vec3) -> Vec3 {
+        at(self, node).component_mul(&v)
+    }
+
+    fn block(&self, node: usize) -> Mat3 {
+        Mat3::from_diagonal(&at(self, node))
+    }
+
+    fn stiffen(&mut self, node: usize, stiffness: f32) {
+        let [x, ..] = self;
+        if let Some(inverse) = x.get_mut(node) {
+            *inverse /= 1.0 + stiffness * *inverse;
+        }
+    }
+}
+
+/// The 3 × 3 blocks on the diagonal.
+impl<const N: usize> Inverse for Symmetric<N> {
+    #[inline]
+    fn times(&self, node: usize, v: Vec3) -> Vec3 {
+        self.block(node) * v
+    }
+
+    #[inline]
+    fn block(&self, node: usize) -> Mat3 {
+        let [xx, xy, xz, yy, yz, zz] = self.each_ref().map(|part| part.get(node).copied().unwrap_or(0.0));
+        Mat3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz)
+    }
+
+    /// Sherman and Morrison's formula.
+    fn stiffen(&mut self, node: usize, stiffness: f32) {
+        let [xx, xy, xz, ..] = self.each_ref().map(|part| part.get(node).copied().unwrap_or(0.0));
+        let scale = stiffness / (1.0 + stiffness * xx);
+        let less = [xx * xx, xx * xy, xx * xz, xy * xy, xy * xz, xz * xz];
+        for (part, less) in self.iter_mut().zip(less) {
+            if let Some(x) = part.get_mut(node) {
+                *x -= scale * less;
+            }
+        }
+    }
+}
 
 /// The points' part of the operator and of its preconditioner.
 ///
@@ -23,7 +79,7 @@ pub(super) struct Points<'a> {
 
 impl<'a> Points<'a> {
     /// Factors the points' part, one 9 × 9 elimination; `None` where nothing holds the tissue.
-    pub(super) fn new<const N: usize>(coupling: &'a Coupling, inverse_diagonal: &Field<N>) -> Option<Self> {
+    pub(super) fn new(coupling: &'a Coupling, inverse: &impl Inverse) -> Option<Self> {
         if coupling.is_idle() {
             return None;
         }
@@ -34,8 +90,8 @@ impl<'a> Points<'a> {
                 stiffness
                     .fixed_view_mut::<3, 3>(3 * p, 3 * q)
                     .copy_from(&coupling.stiffness[p][q]);
-                let shared = overlap(coupling, [p, q], inverse_diagonal);
-                compliance.fixed_view_mut::<3, 3>(3 * p, 3 * q).set_diagonal(&shared);
+                let shared = overlap(coupling, [p, q], inverse);
+                compliance.fixed_view_mut::<3, 3>(3 * p, 3 * q).copy_from(&shared);
             }
         }
         let system = SMatrix::<f32, UNKNOWNS, UNKNOWNS>::identity() + stiffness * compliance;
@@ -64,13 +120,9 @@ impl Points<'_> {
     }
 
     /// What the points take of D⁻¹ r to make M⁻¹ r = D⁻¹ r − D⁻¹ Wᵀ b: b, and rᵀ D⁻¹ Wᵀ b.
-    pub(super) fn take<const N: usize>(
-        &self,
-        residual: &Field<N>,
-        inverse_diagonal: &Field<N>,
-    ) -> ([Vec3; POINTS], f32) {
+    pub(super) fn take<const N: usize>(&self, residual: &Field<N>, inverse: &impl Inverse) -> ([Vec3; POINTS], f32) {
         let scaled = self.coupling.kernels.each_ref().map(|kernel| {
-            let of = |(node, w)| at(residual, node).component_mul(&at(inverse_diagonal, node)) * w;
+            let of = |(node, w)| inverse.times(node, at(residual, node)) * w;
             kernel.iter().map(of).sum::<Vec3>()
         });
         let back = product(&self.schur, &scaled);
@@ -79,30 +131,24 @@ impl Points<'_> {
     }
 
     /// Takes D⁻¹ Wᵀ b from `scaled`.
-    pub(super) fn give<const N: usize>(
-        &self,
-        back: &[Vec3; POINTS],
-        inverse_diagonal: &Field<N>,
-        scaled: &mut Field<N>,
-    ) {
+    pub(super) fn give<const N: usize>(&self, back: &[Vec3; POINTS], inverse: &impl Inverse, scaled: &mut Field<N>) {
         for (kernel, back) in self.coupling.kernels.iter().zip(back) {
             for (node, w) in kernel.iter() {
-                let inverse = at(inverse_diagonal, node);
-                add(scaled, node, -inverse.component_mul(back) * w);
+                add(scaled, node, -inverse.times(node, *back) * w);
             }
         }
     }
 }
 
-/// Diagonal of W_p D⁻¹ W_qᵀ: both kernels are in ascending order.
-fn overlap<const N: usize>(coupling: &Coupling, [p, q]: [usize; 2], inverse_diagonal: &Field<N>) -> SVector<f32, 3> {
+/// W_p D⁻¹ W_qᵀ: both kernels are in ascending order.
+fn overlap(coupling: &Coupling, [p, q]: [usize; 2], inverse: &impl Inverse) -> Mat3 {
     let (a, b) = (&coupling.kernels[p], &coupling.kernels[q]);
-    let mut sum = Vec3::zeros();
+    let mut sum = Mat3::zeros();
     let mut others = b.iter().peekable();
     for (node, w) in a.iter() {
         while others.next_if(|(other, _)| *other < node).is_some() {}
         if let Some((_, v)) = others.next_if(|(other, _)| *other == node) {
-            sum += at(inverse_diagonal, node) * (w * v);
+            sum += inverse.block(node) * (w * v);
         }
     }
     sum

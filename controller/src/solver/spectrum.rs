@@ -1,9 +1,13 @@
-//! How fast a lattice's fastest mode is: what explicit steps must resolve.
+//! How fast a lattice's fastest mode is, which explicit steps must resolve, and how slow its slowest, which iterations must reach.
 
-use super::operator::tissue;
+use super::be_chebyshev::HIGHEST;
+use super::operator::{self, tissue};
+use super::sweep::{Pass, sweep};
+use super::symmetric::{self, Symmetric};
 use super::{Problem, Work, volume};
 use crate::lanes::{Lanes, blocks, run_on};
-use crate::lattice::{DIRECTIONS, EDGES, STEPS};
+use crate::lattice::{DIRECTIONS, EDGES, Field, Lattice, STEPS};
+use crate::law::Breaks;
 use crate::math::{DT, sqrt};
 
 /// Rounds of the power iteration; it ends within 1 % of the largest eigenvalue on lattices of any shape.
@@ -30,7 +34,8 @@ pub fn fewest_substeps<const N: usize>(problem: &Problem<'_, N>, work: &mut Work
 #[inline(always)]
 fn fastest<L: Lanes, const N: usize>(lanes: L, problem: &Problem<'_, N>, work: &mut Work<N>) -> f32 {
     let n = problem.lattice.len();
-    stiffen(lanes, problem, work);
+    let steepest = |breaks: &Breaks| breaks.steepest().max(breaks.locked(LOCKED));
+    stretch(lanes, problem, steepest, work);
     if problem.material.volume {
         volume::stiffen(lanes, problem, work);
     }
@@ -81,9 +86,14 @@ fn divide<L: Lanes, const N: usize>(lanes: L, problem: &Problem<'_, N>, value: f
     }
 }
 
-/// The operator's springs at rest, at their steepest.
+/// The operator's springs at rest, each at its first slope times `slope` of its curve.
 #[inline(always)]
-fn stiffen<L: Lanes, const N: usize>(lanes: L, problem: &Problem<'_, N>, work: &mut Work<N>) {
+fn stretch<L: Lanes, const N: usize>(
+    lanes: L,
+    problem: &Problem<'_, N>,
+    slope: impl Fn(&Breaks) -> f32,
+    work: &mut Work<N>,
+) {
     let (lattice, material) = (problem.lattice, problem.material);
     for d in 0..DIRECTIONS {
         work.transverse[d].fill(0.0);
@@ -91,12 +101,8 @@ fn stiffen<L: Lanes, const N: usize>(lanes: L, problem: &Problem<'_, N>, work: &
             let mut stiffness = lanes.splat(0.0);
             for (curve, first) in material.curves.iter().zip(&lattice.stiffness) {
                 let breaks = if d < EDGES { &curve.edge } else { &curve.diagonal };
-                let steepest = if material.stiffening {
-                    breaks.steepest().max(breaks.locked(LOCKED))
-                } else {
-                    1.0
-                };
-                stiffness = stiffness + lanes.splat(steepest) * lanes.load(&first[d], at);
+                let slope = if material.stiffening { slope(breaks) } else { 1.0 };
+                stiffness = stiffness + lanes.splat(slope) * lanes.load(&first[d], at);
             }
             // Unit directions have parts of 1 along an edge, of ±1/√3 along a diagonal.
             let along = lanes.root(stiffness / lanes.splat(if d < EDGES { 1.0 } else { 3.0 }));
@@ -104,5 +110,89 @@ fn stiffen<L: Lanes, const N: usize>(lanes: L, problem: &Problem<'_, N>, work: &
                 lanes.store(along * lanes.splat(STEPS[d][c] as f32), &mut work.axial[d][c], at);
             }
         }
+    }
+}
+
+/// Smallest eigenvalue of M⁻¹A at rest, with every spring at its first slope and M the operator's 3 × 3 blocks; from above, by power
+/// iteration on 2 − M⁻¹A.
+pub(super) fn slowest<const N: usize>(problem: &Problem<'_, N>, work: &mut Work<N>) -> f32 {
+    run_on!(problem.level, lanes => lowest(lanes, problem, work))
+}
+
+#[inline(always)]
+fn lowest<L: Lanes, const N: usize>(lanes: L, problem: &Problem<'_, N>, work: &mut Work<N>) -> f32 {
+    let lattice = problem.lattice;
+    stretch(lanes, problem, |_| 1.0, work);
+    let inertia = operator::inertia(problem);
+    work.inverse_block.iter_mut().for_each(|part| part.fill(0.0));
+    if problem.material.volume {
+        work.place.iter_mut().for_each(|part| part.fill(0.0));
+        volume::linearise_blocks(lanes, lattice, work);
+    }
+    let Work {
+        given,
+        axial,
+        inverse_block,
+        ..
+    } = &mut *work;
+    let mut pass = Invert {
+        lattice,
+        inertia,
+        axial,
+        inverse_block,
+    };
+    sweep(lanes, lattice, given, &mut pass);
+    // The slowest mode moves everything one way.
+    for search in &mut work.search {
+        search.clone_from(&lattice.free);
+    }
+    let mut value = HIGHEST;
+    for _ in 0..ROUNDS {
+        let energy = tissue(lanes, problem, inertia, work);
+        let mut sum = lanes.nothing();
+        for at in blocks::<L, N>(lattice.len()) {
+            let product = lanes.vector(&work.product, at);
+            let scaled = symmetric::times::<L>(symmetric::load(lanes, &work.inverse_block, at), product);
+            for c in 0..3 {
+                sum = lanes.add(sum, at, scaled[c] * product[c]);
+                let next = lanes.splat(HIGHEST) * lanes.load(&work.search[c], at) - scaled[c];
+                lanes.store(lanes.splat(1.0 / HIGHEST) * next, &mut work.search[c], at);
+            }
+        }
+        // The quotient of M⁻¹A in A's own inner product.
+        value = if energy > 0.0 { lanes.total(sum) / energy } else { value };
+    }
+    value
+}
+
+/// Inverse blocks of the operator: its voxels' blocks stand in `inverse_block` already.
+struct Invert<'a, const N: usize> {
+    lattice: &'a Lattice<N>,
+    inertia: f32,
+    axial: &'a [Field<N>; DIRECTIONS],
+    inverse_block: &'a mut Symmetric<N>,
+}
+
+impl<L: Lanes, const N: usize> Pass<L, 9> for Invert<'_, N> {
+    type Near = ();
+
+    #[inline(always)]
+    fn near(&self, _: L, _: usize) {}
+
+    #[inline(always)]
+    fn spring<const D: usize>(&mut self, lanes: L, (): (), at: usize, _: usize) -> [L::F; 9] {
+        let zero = lanes.splat(0.0);
+        let block = symmetric::of_spring::<L>(lanes.vector(&self.axial[D], at), zero);
+        symmetric::with_force::<L>([zero; 3], block)
+    }
+
+    #[inline(always)]
+    fn node(&mut self, lanes: L, at: usize, begin: [L::F; 9], end: [L::F; 9]) {
+        let (_, mut block) = symmetric::at_node::<L>(begin, end);
+        symmetric::add(&mut block, symmetric::load(lanes, self.inverse_block, at));
+        let inertia = lanes.load(&self.lattice.mass, at) * lanes.splat(self.inertia);
+        let free = lanes.load(&self.lattice.free, at);
+        let inverse = symmetric::invert(lanes, free, symmetric::plus::<L>(block, inertia));
+        symmetric::store(lanes, inverse, self.inverse_block, at);
     }
 }

@@ -135,6 +135,47 @@ pub(super) fn follow<L: Lanes, const D: usize, const N: usize>(
     load
 }
 
+/// Largest mean slope of those springs over any change of strain up to `reach`: what majorises their energy there [N/m].
+#[inline(always)]
+pub(super) fn steepest<L: Lanes, const D: usize, const N: usize>(
+    lanes: L,
+    (lattice, material): (&Lattice<N>, &Material),
+    at: usize,
+    (strain, reach): (L::F, f32),
+) -> L::F {
+    let [first, ..] = &lattice.stiffness;
+    if !material.stiffening {
+        return lanes.load(&first[D], at);
+    }
+    let zero = lanes.splat(0.0);
+    let mut sum = zero;
+    let used = material.curves.iter().zip(&lattice.stiffness);
+    for (curve, stiffness) in used.filter(|(curve, _)| curve.young > 0.0) {
+        let breaks = if diagonal::<D>() { &curve.diagonal } else { &curve.edge };
+        let mut slope = lanes.splat(1.0);
+        for (start, rise) in breaks.used() {
+            // A rise counts as soon as it is within reach, a fall once it is out of it.
+            let early = if rise > 0.0 { reach } else { -reach };
+            let over = if start < 0.0 {
+                lanes.splat(start + early) - strain
+            } else {
+                strain - lanes.splat(start - early)
+            };
+            slope = slope + lanes.where_positive(over, lanes.splat(rise));
+        }
+        if diagonal::<D>() {
+            let (start, gain) = breaks.lock;
+            let under = lanes.splat(-start) - strain;
+            // The slope rises linearly, so its mean in ∫∫ dε² is that at a third of the way.
+            let within = lanes.larger(under, zero) + lanes.splat(reach / 3.0);
+            let steeper = lanes.where_positive(under + lanes.splat(reach), lanes.splat(gain) * within);
+            slope = slope + steeper;
+        }
+        sum = sum + lanes.load(&stiffness[D], at) * slope;
+    }
+    sum
+}
+
 /// What the springs of direction `D` from nodes `at…` pull their lower nodes with, the ends displaced by `ends` [N].
 #[inline(always)]
 pub(super) fn pull<L: Lanes, const D: usize, const N: usize>(

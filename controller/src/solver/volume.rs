@@ -6,6 +6,7 @@
 //! stays positive definite and is nowhere less than half the true one, which is what steps with it need to converge.
 
 use super::sweep::Given;
+use super::symmetric::{self, Symmetric};
 use super::voxel::{DIAGONALS, VoxelPass, along_diagonals, mean_edges, sweep_voxels};
 use super::{Problem, Work};
 use crate::lanes::{Lanes, blocks};
@@ -121,26 +122,51 @@ struct Linearise<'a, const N: usize> {
     pressure: &'a mut [f32; N],
 }
 
+/// What voxels give their body diagonals.
+struct Tangent<F> {
+    /// Force, by diagonal [N].
+    pulls: [[F; 3]; DIAGONALS],
+    /// Gradient of the volume times the root of its stiffness, by diagonal [√(N/m)].
+    slopes: [[F; 3]; DIAGONALS],
+    /// |p| a/32 [N/m].
+    either: F,
+}
+
+/// The voxels from index `at` at displacements `place`; their operator is stored.
+#[inline(always)]
+fn tangent<L: Lanes, const N: usize>(
+    lanes: L,
+    lattice: &Lattice<N>,
+    (place, at): (&Field<N>, usize),
+    (stored, along): (&mut [f32; N], &mut [Field<N>; 3]),
+) -> Tangent<L::F> {
+    let Shape {
+        faces,
+        pressure,
+        stiffness,
+    } = shape(lanes, lattice, place, at);
+    let pitch = lattice.pitch;
+    let pull = pressure * lanes.splat(0.25 * pitch * pitch);
+    let growth = scaled::<L>(faces, lanes.root(stiffness * lanes.splat(pitch / 16.0)));
+    let either = lanes.larger(pressure, lanes.splat(0.0) - pressure) * lanes.splat(pitch / 32.0);
+    lanes.store(either, stored, at);
+    for i in 0..3 {
+        for c in 0..3 {
+            lanes.store(growth[i][c], &mut along[i][c], at);
+        }
+    }
+    Tangent {
+        pulls: along_diagonals(lanes, scaled::<L>(faces, pull)),
+        slopes: along_diagonals(lanes, growth),
+        either,
+    }
+}
+
 impl<L: Lanes, const N: usize> VoxelPass<L, 6> for Linearise<'_, N> {
     #[inline(always)]
     fn voxel(&mut self, lanes: L, at: usize) -> [[L::F; 6]; DIAGONALS] {
-        let Shape {
-            faces,
-            pressure,
-            stiffness,
-        } = shape(lanes, self.lattice, self.place, at);
-        let pitch = self.lattice.pitch;
-        let pull = pressure * lanes.splat(0.25 * pitch * pitch);
-        let pulls = along_diagonals(lanes, scaled::<L>(faces, pull));
-        let growth = scaled::<L>(faces, lanes.root(stiffness * lanes.splat(pitch / 16.0)));
-        let either = lanes.larger(pressure, lanes.splat(0.0) - pressure) * lanes.splat(pitch / 32.0);
-        lanes.store(either, self.pressure, at);
-        for i in 0..3 {
-            for c in 0..3 {
-                lanes.store(growth[i][c], &mut self.growth[i][c], at);
-            }
-        }
-        let slopes = along_diagonals(lanes, growth);
+        let Tangent { pulls, slopes, either } =
+            tangent(lanes, self.lattice, (self.place, at), (self.pressure, self.growth));
         let mut give = [[lanes.splat(3.0) * either; 6]; DIAGONALS];
         for m in 0..DIAGONALS {
             for c in 0..3 {
@@ -165,6 +191,65 @@ impl<L: Lanes, const N: usize> VoxelPass<L, 6> for Linearise<'_, N> {
     }
 }
 
+/// Makes `work.residual` the voxels' force at `work.place` and `work.inverse_block` their blocks, not inverted, and fills their operator.
+///
+/// A block is four times the voxels' part of the operator there: eight corners move a voxel's volume, and half of them, one colour of the
+/// lattice, four times as much together as the sum of what each does alone.
+#[inline(always)]
+pub(super) fn linearise_blocks<L: Lanes, const N: usize>(lanes: L, lattice: &Lattice<N>, work: &mut Work<N>) {
+    let Work {
+        given,
+        place,
+        residual,
+        inverse_block,
+        growth,
+        pressure,
+        ..
+    } = work;
+    let mut pass = LineariseBlocks {
+        lattice,
+        place,
+        residual,
+        block: inverse_block,
+        growth,
+        pressure,
+    };
+    sweep_voxels(lanes, lattice, given, &mut pass);
+}
+
+struct LineariseBlocks<'a, const N: usize> {
+    lattice: &'a Lattice<N>,
+    place: &'a Field<N>,
+    residual: &'a mut Field<N>,
+    block: &'a mut Symmetric<N>,
+    growth: &'a mut [Field<N>; 3],
+    pressure: &'a mut [f32; N],
+}
+
+impl<L: Lanes, const N: usize> VoxelPass<L, 9> for LineariseBlocks<'_, N> {
+    #[inline(always)]
+    fn voxel(&mut self, lanes: L, at: usize) -> [[L::F; 9]; DIAGONALS] {
+        let Tangent { pulls, slopes, either } =
+            tangent(lanes, self.lattice, (self.place, at), (self.pressure, self.growth));
+        let mut give = [[either; 9]; DIAGONALS];
+        for m in 0..DIAGONALS {
+            let slope = times::<L>(slopes[m], lanes.splat(2.0));
+            let block = symmetric::of_spring::<L>(slope, lanes.splat(4.0) * either);
+            give[m] = symmetric::with_force::<L>(pulls[m], block);
+        }
+        give
+    }
+
+    #[inline(always)]
+    fn node(&mut self, lanes: L, at: usize, begin: [L::F; 9], end: [L::F; 9]) {
+        let (pull, block) = symmetric::at_node::<L>(begin, end);
+        for c in 0..3 {
+            lanes.store(pull[c], &mut self.residual[c], at);
+        }
+        symmetric::store(lanes, block, self.block, at);
+    }
+}
+
 /// Adds the voxels' part of the operator to `work.product`; gives `search`ᵀ times it.
 #[inline(always)]
 pub(super) fn apply<L: Lanes, const N: usize>(lanes: L, lattice: &Lattice<N>, work: &mut Work<N>) -> f32 {
@@ -179,7 +264,8 @@ pub(super) fn apply<L: Lanes, const N: usize>(lanes: L, lattice: &Lattice<N>, wo
     let mut pass = Apply {
         lattice,
         search,
-        product,
+        sum: product,
+        sign: 1.0,
         growth,
         pressure,
         curvature: lanes.nothing(),
@@ -188,11 +274,36 @@ pub(super) fn apply<L: Lanes, const N: usize>(lanes: L, lattice: &Lattice<N>, wo
     lanes.total(pass.curvature)
 }
 
+/// Takes the voxels' part of the operator times `work.search` from `work.residual`.
+#[inline(always)]
+pub(super) fn reduce<L: Lanes, const N: usize>(lanes: L, lattice: &Lattice<N>, work: &mut Work<N>) {
+    let Work {
+        given,
+        search,
+        residual,
+        growth,
+        pressure,
+        ..
+    } = work;
+    let mut pass = Apply {
+        lattice,
+        search,
+        sum: residual,
+        sign: -1.0,
+        growth,
+        pressure,
+        curvature: lanes.nothing(),
+    };
+    sweep_voxels(lanes, lattice, given, &mut pass);
+}
+
 /// g gᵀ + b I on the nine components of a voxel's mean edges, each four times its way.
 struct Apply<'a, L: Lanes, const N: usize> {
     lattice: &'a Lattice<N>,
     search: &'a Field<N>,
-    product: &'a mut Field<N>,
+    /// Takes the product with this sign.
+    sum: &'a mut Field<N>,
+    sign: f32,
     growth: &'a [Field<N>; 3],
     pressure: &'a [f32; N],
     curvature: L::Sum,
@@ -221,8 +332,8 @@ impl<L: Lanes, const N: usize> VoxelPass<L, 3> for Apply<'_, L, N> {
     #[inline(always)]
     fn node(&mut self, lanes: L, at: usize, begin: [L::F; 3], end: [L::F; 3]) {
         for c in 0..3 {
-            let product = lanes.load(&self.product[c], at) - (begin[c] - end[c]);
-            lanes.store(product, &mut self.product[c], at);
+            let sum = lanes.load(&self.sum[c], at) - lanes.splat(self.sign) * (begin[c] - end[c]);
+            lanes.store(sum, &mut self.sum[c], at);
         }
     }
 }
@@ -252,13 +363,13 @@ fn cross<L: Lanes>([ax, ay, az]: [L::F; 3], [bx, by, bz]: [L::F; 3]) -> [L::F; 3
 }
 
 #[inline(always)]
-fn scaled<L: Lanes>(mut vectors: [[L::F; 3]; 3], by: L::F) -> [[L::F; 3]; 3] {
-    for vector in &mut vectors {
-        for c in 0..3 {
-            vector[c] = vector[c] * by;
-        }
-    }
-    vectors
+fn scaled<L: Lanes>([x, y, z]: [[L::F; 3]; 3], by: L::F) -> [[L::F; 3]; 3] {
+    [times::<L>(x, by), times::<L>(y, by), times::<L>(z, by)]
+}
+
+#[inline(always)]
+fn times<L: Lanes>([x, y, z]: [L::F; 3], by: L::F) -> [L::F; 3] {
+    [x * by, y * by, z * by]
 }
 
 #[cfg(test)]

@@ -5,7 +5,7 @@ use sutura_controller::lanes::Level;
 use sutura_controller::lattice::{Field, Lattice, Tissue, at};
 use sutura_controller::law::Material;
 use sutura_controller::math::{Mat3, Vec3};
-use sutura_controller::solver::{BePcg, Problem, Solver, Work, elastic_force, predict};
+use sutura_controller::solver::{BePcg, Choice, Problem, Solver, Work, elastic_force, predict};
 use sutura_controller::surface::kernel_at;
 use sutura_controller::tissue;
 use sutura_controller::wound::Faces;
@@ -24,6 +24,7 @@ pub(crate) const DEFAULT: BePcg = BePcg {
     iterations: 10,
     newton: 1,
 };
+
 /// As good as single precision allows.
 pub(crate) const CONVERGED: BePcg = BePcg {
     iterations: 400,
@@ -102,6 +103,8 @@ pub(crate) struct Block {
     pub(crate) tissue: Box<Tissue<N>>,
     pub(crate) load: Box<Field<N>>,
     pub(crate) work: Box<Work<N>>,
+    /// What the passes run on.
+    pub(crate) level: Level,
 }
 
 impl Block {
@@ -115,6 +118,7 @@ impl Block {
             tissue: bytemuck::zeroed_box(),
             load: bytemuck::zeroed_box(),
             work: bytemuck::zeroed_box(),
+            level: Level::best(),
         }
     }
 
@@ -164,19 +168,38 @@ impl Block {
             material: &self.material,
             coupling: &Coupling::default(),
             faces,
-            level: Level::best(),
+            level: self.level,
         };
         *elastic_force(&problem, &self.tissue, &mut self.work)
     }
 
+    /// The solver of a name, for this patch.
+    pub(crate) fn solver(&mut self, name: &str) -> Choice {
+        let alone = Problem {
+            lattice: &self.lattice,
+            material: &self.material,
+            coupling: &Coupling::default(),
+            faces: None,
+            level: self.level,
+        };
+        let choice = Choice::new(name.parse().unwrap(), &alone, &mut self.work).unwrap();
+        self.work.clear();
+        choice
+    }
+
     /// One tick; how far the points have moved from their predicted places [m].
-    pub(crate) fn tick(&mut self, solver: BePcg, coupling: &Coupling, faces: Option<&Faces>) -> [Vec3; POINTS] {
+    pub(crate) fn tick(
+        &mut self,
+        solver: impl Solver<N>,
+        coupling: &Coupling,
+        faces: Option<&Faces>,
+    ) -> [Vec3; POINTS] {
         let problem = Problem {
             lattice: &self.lattice,
             material: &self.material,
             coupling,
             faces,
-            level: Level::best(),
+            level: self.level,
         };
         solver.advance(&problem, &self.load, &mut self.tissue, &mut self.work)
     }

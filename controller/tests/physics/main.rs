@@ -4,6 +4,7 @@
 mod bars;
 mod block;
 mod curves;
+mod descent;
 mod halfspace;
 mod hard;
 mod monolith;
@@ -11,6 +12,7 @@ mod motion;
 mod needle;
 mod patch;
 mod reference;
+mod solvers;
 mod statics;
 mod swelling;
 mod volume;

@@ -59,10 +59,8 @@ impl Method {
                     faces: None,
                     level,
                 };
-                let choice = Choice::new(solver, &problem, &mut zeroed_box()).map_err(|refused| match refused {
-                    Refused::Unstable { least } => NotBuilt::Unstable { method: self, least },
-                    Refused::Missing => NotBuilt::Missing { method: self },
-                })?;
+                let choice = Choice::new(solver, &problem, &mut zeroed_box())
+                    .map_err(|Refused::Unstable { least }| NotBuilt::Unstable { method: self, least })?;
                 let method = match choice {
                     Choice::Explicit(Explicit { substeps }) => Self::explicit(substeps),
                     _ => self,
