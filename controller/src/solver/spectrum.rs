@@ -18,13 +18,21 @@ const MARGIN: f32 = 1.02;
 /// Compression of the body diagonals up to which explicit steps are to be stable: about what a needle does before it goes through.
 const LOCKED: f32 = 0.15;
 
-/// The smallest stable number of explicit substeps a tick: h < 2/ω, with β-dashpots h < (√(1 + ζ²) − ζ) 2/ω and ζ = β ω/2.
+/// The smallest stable number of explicit substeps a tick: h < 2/ω, with β-dashpots h < (√(1 + ζ²) − ζ) 2/ω and ζ = β ω₀²/(2ω).
 ///
 /// ω is that of the lattice at rest with every spring at the steepest slope of its curve, body diagonals also locked by [`LOCKED`], and voxels
-/// that keep their volume. A lock pressed further, and the barrier of a voxel about to invert, are steeper still.
+/// that keep their volume; ω₀ is that of the first slopes, which dashpots go by. A lock pressed further, and the barrier of a voxel about
+/// to invert, are steeper still.
 pub fn fewest_substeps<const N: usize>(problem: &Problem<'_, N>, work: &mut Work<N>) -> u16 {
-    let omega = MARGIN * sqrt(run_on!(problem.level, lanes => fastest(lanes, problem, work)));
-    let zeta = 0.5 * problem.material.spring_damping * omega;
+    let steepest = |breaks: &Breaks| breaks.steepest().max(breaks.locked(LOCKED));
+    let omega = MARGIN * sqrt(run_on!(problem.level, lanes => fastest(lanes, problem, steepest, work)));
+    let beta = problem.material.spring_damping;
+    let zeta = if beta > 0.0 {
+        let first = run_on!(problem.level, lanes => fastest(lanes, problem, |_: &Breaks| 1.0, work));
+        0.5 * beta * MARGIN * MARGIN * first / omega
+    } else {
+        0.0
+    };
     let fewest = 0.5 * omega * DT * (sqrt(1.0 + zeta * zeta) + zeta);
     // As a count, which saturates.
     libm::ceilf(fewest).max(1.0) as u16
@@ -32,10 +40,14 @@ pub fn fewest_substeps<const N: usize>(problem: &Problem<'_, N>, work: &mut Work
 
 /// Largest eigenvalue of M⁻¹ K over the nodes that move [1/s²], by power iteration.
 #[inline(always)]
-fn fastest<L: Lanes, const N: usize>(lanes: L, problem: &Problem<'_, N>, work: &mut Work<N>) -> f32 {
+fn fastest<L: Lanes, const N: usize>(
+    lanes: L,
+    problem: &Problem<'_, N>,
+    slope: impl Fn(&Breaks) -> f32,
+    work: &mut Work<N>,
+) -> f32 {
     let n = problem.lattice.len();
-    let steepest = |breaks: &Breaks| breaks.steepest().max(breaks.locked(LOCKED));
-    stretch(lanes, problem, steepest, work);
+    stretch(lanes, problem, slope, work);
     if problem.material.volume {
         volume::stiffen(lanes, problem, work);
     }
