@@ -18,7 +18,15 @@ use sutura_shared::scene::{Assembly, Law};
 /// Difference from the static solve, relative to the norm of its displacement and to its reaction.
 const TOLERANCE: f64 = 2e-4;
 /// Every solver there is, with what brings it to rest exactly enough.
-const SOLVERS: [&str; 5] = ["explicit", "be-pcg:10", "be-pcg:10:2", "xpbd:200", "pd:8"];
+const SOLVERS: [&str; 7] = [
+    "explicit",
+    "be-pcg:10",
+    "be-pcg:10:2",
+    "be-chebyshev:10",
+    "vbd:8:1.5",
+    "xpbd:200",
+    "pd:8",
+];
 /// Long enough for all motion to die out [ticks].
 const TICKS: u32 = 400;
 
