@@ -7,7 +7,7 @@ use sutura_controller::coupling::{Coupling, Kernel, LEFT};
 use sutura_controller::hash::Hasher;
 use sutura_controller::lanes::Level;
 use sutura_controller::lattice::{Field, Lattice, STEPS, Tissue, at};
-use sutura_controller::law::{Curve, Material, stiffness};
+use sutura_controller::law::{Curve, Material, Stiffness, stiffness};
 use sutura_controller::math::{Mat3, Vec3};
 use sutura_controller::solver::{Choice, Problem, Solver, Work};
 use sutura_shared::scene::{self, Law, Segment};
@@ -18,7 +18,7 @@ const N: usize = Lattice::<0>::guard(NODES) as usize;
 const PITCH: f32 = 2e-3;
 const YOUNG: f32 = 1e5;
 const TICKS: u32 = 120;
-const SOLVERS: [scene::Solver; 3] = [
+const SOLVERS: [scene::Solver; 5] = [
     scene::Solver::Explicit { substeps: 0 },
     scene::Solver::BePcg {
         iterations: 10,
@@ -28,18 +28,23 @@ const SOLVERS: [scene::Solver; 3] = [
         iterations: 5,
         newton: 2,
     },
+    scene::Solver::BeChebyshev { iterations: 10 },
+    scene::Solver::Vbd { sweeps: 4, omega: 1.5 },
 ];
+const LAWS: [Law; 2] = [Law::Isotropic, Law::Volume { poisson: 0.45 }];
 
 fn main() -> ExitCode {
     let mut same = true;
-    for solver in SOLVERS {
-        let hashes: Vec<_> = Level::all().map(|level| (level.name(), hash(solver, level))).collect();
+    for (law, solver) in LAWS.into_iter().flat_map(|law| SOLVERS.map(|solver| (law, solver))) {
+        let hashes: Vec<_> = Level::all()
+            .map(|level| (level.name(), hash(law, solver, level)))
+            .collect();
         let Some((_, Some(first))) = hashes.first() else {
             eprintln!("error: {solver} is refused");
             same = false;
             continue;
         };
-        println!("{solver} {first:016x}");
+        println!("{} {solver} {first:016x}", law.name());
         for (name, hash) in hashes.iter().filter(|(_, hash)| *hash != Some(*first)) {
             eprintln!("error: {solver} on {name} gives {hash:x?}");
             same = false;
@@ -49,20 +54,21 @@ fn main() -> ExitCode {
 }
 
 /// The bits after a node was lifted and dragged while a tool's spring pulled at others.
-fn hash(solver: scene::Solver, level: Level) -> Option<u64> {
-    let law = stiffness(Law::Isotropic);
-    let lattice = block(law.edge, law.diagonal);
+fn hash(law: Law, solver: scene::Solver, level: Level) -> Option<u64> {
+    let stiffness = stiffness(law);
+    let lattice = block(stiffness);
     let mut material = Material {
         stiffening: true,
         mass_damping: 50.0,
         spring_damping: 1e-4,
+        volume: matches!(law, Law::Volume { .. }),
         ..Material::default()
     };
     let slopes = [(0.0, 1.0), (0.03, 4.0), (0.06, 10.0)].map(|(from_strain, slope)| Segment {
         from_strain,
         slope_pa: slope * YOUNG,
     });
-    material.curves[0] = Curve::new(&slopes, law);
+    material.curves[0] = Curve::new(&slopes, stiffness);
     let mut tissue: Box<Tissue<N>> = bytemuck::zeroed_box();
     let mut work: Box<Work<N>> = bytemuck::zeroed_box();
     let load: Box<Field<N>> = bytemuck::zeroed_box();
@@ -108,7 +114,7 @@ fn problem<'a>(
 }
 
 /// A block on a held bottom with one held node on top.
-fn block(edge: f32, diagonal: f32) -> Box<Lattice<N>> {
+fn block(stiffness: Stiffness) -> Box<Lattice<N>> {
     let mut lattice: Box<Lattice<N>> = bytemuck::zeroed_box();
     (lattice.nodes, lattice.pitch) = (NODES, PITCH);
     let all: Vec<_> = lattice.nodes().collect();
@@ -118,9 +124,17 @@ fn block(edge: f32, diagonal: f32) -> Box<Lattice<N>> {
         for (direction, step) in STEPS.iter().enumerate() {
             let inside = |axis: usize| (0..NODES[axis] as i32).contains(&(node[axis] as i32 + step[axis]));
             if (0..3).all(inside) {
-                let over_ea = if direction < 3 { edge } else { diagonal };
+                let over_ea = if direction < 3 {
+                    stiffness.edge
+                } else {
+                    stiffness.diagonal
+                };
                 lattice.stiffness[0][direction][index] = over_ea * YOUNG * PITCH;
             }
+        }
+        if (0..3).all(|axis| node[axis] + 1 < NODES[axis]) {
+            lattice.volume[index] = stiffness.volume * YOUNG;
+            lattice.barrier[index] = stiffness.barrier * YOUNG;
         }
     }
     lattice
