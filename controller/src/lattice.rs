@@ -142,8 +142,11 @@ impl<const N: usize> Lattice<N> {
     pub fn nodes(&self) -> impl Iterator<Item = ([u32; 3], usize)> + use<N> {
         let [nx, ny, nz] = self.nodes;
         let layer = self.layer();
-        let within = move |k: u32| (0..nx * ny).map(move |n| ([n % nx, n / nx, k], k as usize * layer + n as usize));
-        (0..nz).flat_map(within)
+        let rows = (0..nz).flat_map(move |k| (0..ny).map(move |j| (j, k)));
+        rows.flat_map(move |(j, k)| {
+            let first = k as usize * layer + (j * nx) as usize;
+            (0..nx).map(move |i| ([i, j, k], first + i as usize))
+        })
     }
 
     /// Place of a node at rest, patch frame [m].

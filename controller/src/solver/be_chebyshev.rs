@@ -49,7 +49,7 @@ impl<const N: usize> Solver<N> for BeChebyshev {
 impl BeChebyshev {
     /// For the lattice of `problem`; `work` is used as scratch.
     ///
-    /// The interval begins at the slowest mode of the lattice at rest, but never so low that 1/T_n is above [`RIPPLE`] on it.
+    /// The interval begins at the slowest mode of the lattice at rest, but never so low that 1/T_n is above `RIPPLE` on it.
     pub fn new<const N: usize>(iterations: u16, problem: &Problem<'_, N>, work: &mut Work<N>) -> Self {
         // T_n((h + l)/(h − l)) = 1/RIPPLE for l = h tanh²(arcosh(1/RIPPLE)/(2n)).
         let root = libm::tanhf(0.5 * libm::acoshf(1.0 / RIPPLE) / f32::from(iterations));
