@@ -4,6 +4,7 @@
 
 pub mod band;
 pub mod block;
+pub mod callgrind;
 pub mod double;
 pub mod method;
 pub mod moduli;
