@@ -11,15 +11,17 @@
 //! strays from the asked curve by [`WITHIN`]; the next one is as flat as lets S stay within that on the other side.
 
 use super::Stiffness;
-use super::curve::{BREAKS, Breaks};
+use super::breaks::{BREAKS, Breaks};
 use crate::math::sqrt;
 use heapless::Vec;
 use sutura_shared::scene::{SEGMENTS_MAX, Segment};
 
 /// How far S may stray from the asked stress before a spring's segment ends, relative to it.
 const WITHIN: f32 = 0.025;
-/// The same where a segment would end at once.
+/// How far S may stray over a whole segment before that is broken at all.
 const LIMIT: f32 = 0.028;
+/// What S has to stray by beyond [`WITHIN`] to end a segment: more than rounding.
+const CLEAR: f32 = 1e-3;
 /// Strain up to which the curve is met; beyond it no segment is broken.
 const STRAIN_MAX: f32 = 0.6;
 /// Strain of compression down to which the first slope is met.
@@ -233,7 +235,7 @@ impl Voxel {
     fn reach(&self, asked: Asked<'_>, [from, stop]: [f32; 2]) -> Option<f32> {
         let beyond = |limit: f32| samples(from, stop).position(|strain| self.stray(asked, strain).abs() > limit);
         beyond(LIMIT)?;
-        let far = beyond(WITHIN + 1e-3)?.max(1);
+        let far = beyond(WITHIN + CLEAR)?.max(1);
         samples(from, stop).nth(far - 1)
     }
 }

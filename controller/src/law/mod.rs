@@ -10,11 +10,13 @@
 //! moves it about twice as far as a continuum, one spread over both kinds ([`crate::coupling::Kernel`]) does not. Where such a
 //! pattern is compressed and nothing near holds it, it buckles; held sides and bottoms delay that.
 
+mod breaks;
 mod curve;
 mod fit;
 mod material;
 
-pub use curve::{BREAKS, Breaks, Curve};
+pub use breaks::{BREAKS, Breaks};
+pub use curve::Curve;
 pub use material::Material;
 
 use sutura_shared::scene::Law;

@@ -7,7 +7,7 @@
 //! has no such bound, since springs that stiffen in one direction leave it.
 
 use super::points::Points;
-use super::step::{predict_step, take_step};
+use super::step::{add_step, predict_step, take_step};
 use super::sweep::{Pass, sweep};
 use super::symmetric::Symmetric;
 use super::{Problem, Solver, Work, assembly, operator, spectrum, symmetric, volume};
@@ -94,11 +94,7 @@ impl BeChebyshev {
             iterate(lanes, problem, [keep, turn], work);
             correct(points.as_ref(), turn, work);
         }
-        for (step, search) in work.step.iter_mut().zip(&work.search) {
-            for at in blocks::<L, N>(n) {
-                lanes.store(lanes.load(step, at) + lanes.load(search, at), step, at);
-            }
-        }
+        add_step(lanes, n, &mut work.step, &work.search);
         let reached = problem.coupling.gather(&work.step);
         take_step(lanes, n, tissue, work);
         core::array::from_fn(|p| reached[p] - predicted[p])

@@ -2,7 +2,7 @@
 
 use super::operator;
 use super::points::Points;
-use super::step::{predict_step, take_step};
+use super::step::{add_step, predict_step, take_step};
 use super::{Problem, Solver, Work, assembly};
 use crate::coupling::POINTS;
 use crate::lanes::{Lanes, blocks, run_on};
@@ -64,11 +64,7 @@ impl BePcg {
             solve(lanes, &now, iterations, work);
             let further = coupling.gather(&work.solution);
             moved.iter_mut().zip(&further).for_each(|(m, f)| *m += f);
-            for (step, solution) in work.step.iter_mut().zip(&work.solution) {
-                for at in blocks::<L, N>(n) {
-                    lanes.store(lanes.load(step, at) + lanes.load(solution, at), step, at);
-                }
-            }
+            add_step(lanes, n, &mut work.step, &work.solution);
         }
         take_step(lanes, n, tissue, work);
         moved

@@ -2,7 +2,7 @@
 
 use super::Work;
 use crate::lanes::{Lanes, blocks};
-use crate::lattice::Tissue;
+use crate::lattice::{Field, Tissue};
 use crate::math::DT;
 
 /// A displacement within a tick, and one from rest, below which a node is still [m]: a thousandth of an atom. Motion that dies
@@ -16,6 +16,16 @@ pub(super) fn predict_step<L: Lanes, const N: usize>(lanes: L, n: usize, tissue:
     for (step, velocity) in work.step.iter_mut().zip(&tissue.velocity) {
         for at in blocks::<L, N>(n) {
             lanes.store(lanes.splat(DT) * lanes.load(velocity, at), step, at);
+        }
+    }
+}
+
+/// u + `further`.
+#[inline(always)]
+pub(super) fn add_step<L: Lanes, const N: usize>(lanes: L, n: usize, step: &mut Field<N>, further: &Field<N>) {
+    for (step, further) in step.iter_mut().zip(further) {
+        for at in blocks::<L, N>(n) {
+            lanes.store(lanes.load(step, at) + lanes.load(further, at), step, at);
         }
     }
 }
