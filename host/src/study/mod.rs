@@ -6,6 +6,7 @@ pub mod band;
 pub mod block;
 pub mod callgrind;
 pub mod double;
+pub mod fem;
 pub mod method;
 pub mod moduli;
 pub mod path;

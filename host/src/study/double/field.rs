@@ -18,6 +18,19 @@ impl Field {
         }
     }
 
+    /// Nodes.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        let [x, _, _] = &self.parts;
+        x.len()
+    }
+
+    /// Whether there is no node.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
     /// The vector at a node.
     #[inline]
     #[must_use]
@@ -37,7 +50,7 @@ impl Field {
 
     /// Adds a vector at a node.
     #[inline]
-    pub(super) fn add(&mut self, node: usize, v: V) {
+    pub fn add(&mut self, node: usize, v: V) {
         self.parts
             .iter_mut()
             .zip(v.iter())
@@ -45,12 +58,12 @@ impl Field {
     }
 
     /// Zero everywhere.
-    pub(super) fn clear(&mut self) {
+    pub fn clear(&mut self) {
         self.parts.iter_mut().for_each(|part| part.fill(0.0));
     }
 
     /// self ← scale · self + factor · other.
-    pub(super) fn blend(&mut self, scale: f64, factor: f64, other: &Self) {
+    pub fn blend(&mut self, scale: f64, factor: f64, other: &Self) {
         for (part, other) in self.parts.iter_mut().zip(&other.parts) {
             part.iter_mut()
                 .zip(other)

@@ -5,6 +5,7 @@
 //! energies and steps in time are its own. Voxels of the law `volume` add their own energy.
 
 mod field;
+mod gradients;
 mod linear;
 mod march;
 mod newton;
@@ -13,6 +14,7 @@ mod tangent;
 mod volume;
 
 pub use field::Field;
+pub use gradients::{Stiffness, relax};
 pub use march::{March, Moved};
 pub use newton::NoEquilibrium;
 

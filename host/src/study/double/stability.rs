@@ -1,5 +1,6 @@
 //! The fastest vibration of a model, which bounds the step of an explicit scheme.
 
+use super::gradients::Stiffness;
 use super::tangent::{Form, Tangent};
 use super::{Family, Field, Model};
 
@@ -31,6 +32,7 @@ impl Model {
         let mut square = 0.0;
         for _ in 0..ITERATIONS {
             tangent.apply(&mode, &mut image);
+            image.clear_held(&self.free);
             for part in &mut image.parts {
                 let nodes = part.iter_mut().zip(&self.mass).filter(|(_, mass)| **mass > 0.0);
                 nodes.for_each(|(value, mass)| *value /= mass);

@@ -1,10 +1,11 @@
-//! Second derivative of energy and inertia at a place, as an operator, and conjugate gradients with it.
+//! Second derivative of energy and inertia at a place, as an operator.
 //!
 //! A spring's tangent is k_t d dᵀ + (T/l)(I − d dᵀ). Under compression T/l < 0 can make the sum indefinite; [`Form::Definite`] cuts it
 //! off at zero, as a solver that must not fail has to.
 
 use nalgebra::Matrix3;
 
+use super::gradients::{self, Stiffness};
 use super::volume::Swelling;
 use super::{Field, Model};
 
@@ -82,8 +83,15 @@ impl<'a> Tangent<'a> {
         }
     }
 
-    /// `product` = (D + K) `p`, zero at held nodes.
-    pub(super) fn apply(&self, p: &Field, product: &mut Field) {
+    /// The x with (D + K) x = `residual` on the free components, until no component of what is left is above `enough` [N]; `None` where
+    /// the operator turns out not to be positive definite.
+    pub(super) fn solve(&self, residual: &Field, enough: f64) -> Option<Field> {
+        gradients::solve(self, residual, enough)
+    }
+}
+
+impl Stiffness for Tangent<'_> {
+    fn apply(&self, p: &Field, product: &mut Field) {
         for (q, p) in product.parts.iter_mut().zip(&p.parts) {
             for ((q, p), d) in q.iter_mut().zip(p).zip(&self.diagonal) {
                 *q = p * d;
@@ -91,42 +99,16 @@ impl<'a> Tangent<'a> {
         }
         self.ties.iter().for_each(|ties| ties.apply(p, product));
         self.swelling.apply(p, product);
-        product.clear_held(self.free);
     }
 
     fn precondition(&self, r: &Field, z: &mut Field) {
         for (node, inverse) in self.inverse.iter().enumerate() {
             z.set(node, inverse * r.get(node));
         }
-        z.clear_held(self.free);
     }
 
-    /// The x with (D + K) x = `residual`, until no component of what is left is above `enough` [N]; `None` where the operator turns out
-    /// not to be positive definite.
-    pub(super) fn solve(&self, residual: &Field, enough: f64) -> Option<Field> {
-        let n = self.diagonal.len();
-        let [mut x, mut z, mut q] = [(); 3].map(|()| Field::zeros(n));
-        let mut r = residual.clone();
-        self.precondition(&r, &mut z);
-        let mut p = z.clone();
-        let mut rz = r.dot(&z);
-        for _ in 0..10_000 {
-            if r.largest() <= enough {
-                break;
-            }
-            self.apply(&p, &mut q);
-            let curvature = p.dot(&q);
-            if curvature <= 0.0 {
-                return None;
-            }
-            x.blend(1.0, rz / curvature, &p);
-            r.blend(1.0, -rz / curvature, &q);
-            self.precondition(&r, &mut z);
-            let next = r.dot(&z);
-            p.blend(next / rz, 1.0, &z);
-            rz = next;
-        }
-        Some(x)
+    fn free(&self) -> &[Vec<bool>; 3] {
+        self.free
     }
 }
 
