@@ -36,6 +36,11 @@ enum Command {
     Moduli(cli::moduli::ModuliArgs),
     /// Moves one node of a block of tissue and measures its reaction, its error and the time of a tick.
     Poke(cli::poke::PokeArgs),
+    /// Measures what a choice of solver and law gives, in tables and pictures.
+    Study {
+        #[command(subcommand)]
+        study: cli::study::Study,
+    },
     /// Shows the built-in scene.
     Scene(SceneArgs),
 }
@@ -116,6 +121,7 @@ fn main() -> ExitCode {
         Some(Command::Voxelize(args)) => count_voxels(&args),
         Some(Command::Moduli(args)) => cli::moduli::run(&args),
         Some(Command::Poke(args)) => cli::poke::run(&args),
+        Some(Command::Study { study }) => cli::study::run(&study),
         Some(Command::Scene(_)) => {
             say(format_args!("{}", scene::BUILT_IN));
             ExitCode::SUCCESS

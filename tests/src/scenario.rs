@@ -10,7 +10,7 @@ use sutura::scene;
 use sutura::scene::build::{self, Built};
 use sutura_controller::lanes::Level;
 use sutura_controller::lattice::PC_NODES;
-use sutura_controller::tick::{Controller, Memory};
+use sutura_controller::tick::Memory;
 
 /// Memory for one rig, on the heap.
 #[must_use]
@@ -47,32 +47,4 @@ pub fn run(scene: Option<PathBuf>) -> Result<Report, Error> {
         out: out.path().to_owned(),
     };
     run::run(&request, &AtomicBool::new(false), |_| {})
-}
-
-/// Voxels with a corner at which the three edges span no positive volume.
-#[must_use]
-pub fn inverted<const N: usize>(controller: &Controller<'_, N>, cells: &[u8]) -> usize {
-    let (lattice, tissue) = (controller.lattice(), controller.tissue());
-    let [cx, cy, _] = lattice.nodes.map(|nodes| nodes - 1);
-    let turned = |cell: u32| {
-        let low = [cell % cx, cell / cx % cy, cell / (cx * cy)];
-        let place = |bits: [u32; 3]| {
-            let [i, j, k] = [0, 1, 2].map(|axis| low[axis] + bits[axis]);
-            lattice.place(tissue, lattice.index([i, j, k]))
-        };
-        (0..8_u32).any(|corner| {
-            let bits = [corner & 1, corner >> 1 & 1, corner >> 2];
-            let here = place(bits);
-            let [x, y, z] = [0, 1, 2].map(|axis| {
-                let mut other = bits;
-                other[axis] = 1 - other[axis];
-                place(other) - here
-            });
-            // At a corner with an odd number of upper sides the three edges are left-handed.
-            let handed = if bits.iter().sum::<u32>() % 2 == 0 { 1.0 } else { -1.0 };
-            x.cross(&y).dot(&z) * handed <= 0.0
-        })
-    };
-    let voxels = (0..).zip(cells).filter(|(_, tissue)| **tissue != 0);
-    voxels.filter(|(cell, _)| turned(*cell)).count()
 }

@@ -4,6 +4,7 @@
 #![allow(clippy::unwrap_used)]
 
 use sutura::run::embedded::PcRig;
+use sutura::study::stability::inverted::inverted as inside_out;
 use sutura_controller::lanes::Level;
 use sutura_controller::link::Plant as _;
 use sutura_shared::scene::Site;
@@ -28,7 +29,7 @@ fn indent(scene: &str) -> ([f32; 2], Vec<(u32, usize)>) {
     for tick in 1..=TICKS {
         let output = rig.tick();
         if tick % LOOK == 0 {
-            let voxels = scenario::inverted(rig.controller(), &built.cells);
+            let voxels = inside_out(rig.controller().lattice(), rig.controller().tissue(), &built.cells);
             inverted.extend((voxels > 0).then_some((tick, voxels)));
         }
         let Some(puncture) = output.puncture else { continue };

@@ -109,6 +109,11 @@ impl<'m, const N: usize> Controller<'m, N> {
         &self.memory.lattice
     }
 
+    /// The patch and its state, for studies that begin elsewhere than at rest, or hold what the scene does not.
+    pub const fn patch_mut(&mut self) -> (&mut Lattice<N>, &mut Tissue<N>) {
+        (&mut self.memory.lattice, &mut self.memory.tissue)
+    }
+
     /// One millisecond. It never fails: a fault is data in the output, and zero force.
     pub fn tick(&mut self, sample: &Sample) -> Output {
         let Some((params, state)) = &mut self.running else {

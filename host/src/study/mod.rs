@@ -13,4 +13,5 @@ pub mod path;
 pub mod pd;
 pub mod poke;
 pub mod spring;
+pub mod stability;
 pub mod xpbd;
