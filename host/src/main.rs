@@ -63,7 +63,7 @@ struct RunArgs {
     /// Stops after this many seconds of simulated time.
     #[arg(long, value_name = "S", value_parser = seconds)]
     seconds: Option<f64>,
-    /// Folder for force.csv and force.png.
+    /// Folder for force.csv, force.png and scene.toml, the scene as it ran.
     #[arg(long, value_name = "DIR", default_value = "sutura-out")]
     out: PathBuf,
     /// Instructions to run on, instead of the best this processor has: off, sse2, avx2 or avx512. Results are the same.

@@ -1,5 +1,6 @@
-//! Force over time as a picture: stages as bands, punctures marked (Lian & Chen Fig. 19); and [`curve`].
+//! Force over time as a picture: stages as bands, punctures marked (Lian & Chen Fig. 19); [`curve`] and [`budget`].
 
+pub mod budget;
 pub mod curve;
 
 use std::path::Path;

@@ -4,6 +4,7 @@ pub mod embedded;
 pub mod files;
 pub mod log;
 pub mod report;
+mod solver;
 
 use std::ops::ControlFlow;
 use std::path::PathBuf;
@@ -12,13 +13,14 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use sutura_controller::lanes::Level;
 use sutura_controller::record::{Fault, Faults};
 use sutura_shared::message::{Telemetry, ToHost, UploadError};
-use sutura_shared::scene::{Effect, Solver, Stage};
+use sutura_shared::scene::{Effect, Stage};
 
+use crate::geometry::patch::PatchError;
 use crate::link::{Counts, Link, LinkError, Pace, Ran};
 use crate::scene;
-use crate::scene::build::{self, Built};
-use crate::study::block::{self, Block};
-use crate::study::method::{Method, NEAR, NotBuilt};
+use crate::scene::build;
+use crate::scene::draft::{Draft, Key};
+use crate::study::block;
 use crate::voxelize::Springs;
 use log::{Change, Log};
 use report::{LinkCount, Report, TickTime, WoundGap};
@@ -33,13 +35,17 @@ const AFTER: u32 = 1_500;
 /// # Errors
 /// See [`Error`].
 pub fn run(request: &Request, interrupted: &AtomicBool, progress: impl FnMut(&Telemetry)) -> Result<Report, Error> {
-    let mut plan = scene::load(request.scene.as_deref())?;
-    scene::replace_meshes(&mut plan, &request.meshes)?;
-    let mut built = build::build(&plan, embedded::NODES_MAX)?;
+    let draft = Draft::open(request.scene.as_deref(), &request.meshes)?;
+    let plan = draft.plan()?;
+    let mut built = build::build(&plan, embedded::NODES_MAX).map_err(|error| refused(&draft, error))?;
     for warning in &built.warnings {
         tracing::warn!("{warning}");
     }
-    built.scene.solver = settled(&built, request.level)?;
+    let (solver, auto) = solver::settled(plan.solver, (&draft, &built), request.level, interrupted)?;
+    built.scene.solver = solver;
+    let note = auto.map(|auto| format!("solver {solver} chosen {auto}"));
+    let copy = draft.copy(solver, note.as_slice())?;
+    files::spare(&request.out, request.scene.as_deref(), &copy)?;
     files::folder(&request.out)?;
     let session = session(request, &built, interrupted, progress)?;
     if session.ran.skipped > 0 {
@@ -52,16 +58,27 @@ pub fn run(request: &Request, interrupted: &AtomicBool, progress: impl FnMut(&Te
         Some(path) => format!("Force on the hand: {}", path.display()),
         None => "Force on the hand over one stitch".to_owned(),
     };
-    files::write(&request.out, &title, &session.log)?;
+    files::write(&request.out, &copy, &title, &session.log)?;
     let whole = request.seconds.is_none();
     if whole {
         stuck(&session.log)?;
     }
-    let report = report(request, &built, session);
+    let report = Report {
+        auto,
+        ..report(request, &built, session)
+    };
     if whole && built.scene.thread.is_some() {
         left_open(&report);
     }
     Ok(report)
+}
+
+/// The error of a scene that cannot be built, with the line of the key to change where there is one.
+fn refused(draft: &Draft, error: build::Error) -> Error {
+    match error {
+        build::Error::Patch(error @ PatchError::TooManyNodes { .. }) => draft.fault(Key::Pitch, error).into(),
+        error => error.into(),
+    }
 }
 
 /// Part of a wound's width above which it counts as open.
@@ -166,6 +183,7 @@ fn report(request: &Request, built: &build::Built, session: Session) -> Report {
             .map(Effect::name)
             .collect(),
         solver: built.scene.solver.to_string(),
+        auto: None,
         ticks,
         stages: log.stages(),
         punctures: log.punctures(),
@@ -207,22 +225,6 @@ pub struct Request {
     pub out: PathBuf,
 }
 
-/// The scene's solver; explicit without a number gets the smallest stable count. Fewer are refused, as the controller does, but with the
-/// count that is enough; where they hardly are, there is a warning.
-fn settled(built: &Built, level: Level) -> Result<Solver, Error> {
-    let Solver::Explicit { substeps: asked } = built.scene.solver else {
-        return Ok(built.scene.solver);
-    };
-    let block = Block::of(&built.scene, &built.cells).map_err(Error::Lattice)?;
-    let (method, _) = Method::explicit(asked).build(&block, level)?;
-    let (fewest, _) = Method::explicit(0).build(&block, level)?;
-    let [substeps, least] = [method, fewest].map(|method| method.explicit_substeps().unwrap_or(asked));
-    if asked > 0 && f64::from(least) > NEAR * f64::from(asked) {
-        tracing::warn!("solver: explicit:{asked} is close to unstable: explicit:{least} is the smallest stable count");
-    }
-    Ok(Solver::Explicit { substeps })
-}
-
 /// What came of a session with a controller.
 struct Session {
     log: Log,
@@ -244,9 +246,6 @@ pub enum Error {
     /// The lattice of the patch.
     #[error(transparent)]
     Lattice(block::Error),
-    /// The solver on this patch.
-    #[error("solver: {0}")]
-    Unstable(#[from] NotBuilt),
     /// The files of the run.
     #[error(transparent)]
     Files(#[from] files::Error),
@@ -282,8 +281,7 @@ impl Error {
             Self::Scene(_)
             | Self::Build(_)
             | Self::Lattice(_)
-            | Self::Unstable(_)
-            | Self::Files(files::Error::File { .. })
+            | Self::Files(files::Error::File { .. } | files::Error::Scene { .. })
             | Self::Thread(_)
             | Self::Stuck { .. } => 2,
             Self::Link(

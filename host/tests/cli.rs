@@ -56,7 +56,8 @@ fn a_short_run_ends_with_json_and_files() {
         .unwrap()
         .map(|entry| entry.unwrap().file_name())
         .collect();
-    assert_eq!(names.len(), 2, "{names:?}");
+    assert_eq!(names.len(), 3, "{names:?}");
+    assert!(report.get("auto").is_none());
 }
 
 #[test]
@@ -132,6 +133,8 @@ fn a_poke_that_cannot_be_is_refused_in_one_line() {
         (&["--node", "0,0,0"], "those of layer 0 are held"),
         (&["--node", "16,0,1"], "16x16x8"),
         (&["--solver", "leapfrog"], "xpbd[:substeps]"),
+        (&["--solver", "be-pcg:100000"], "solver.iterations is 1 to 1000"),
+        (&["--solver", "auto:0"], "a whole number from 1 to 1000"),
         (&["--solver", "explicit:2"], "explicit:6 is the smallest stable count"),
         (&["--solver", "pd", "--law", "volume"], "springs alone"),
         (&["--law", "hooke"], "there are isotropic"),
@@ -148,6 +151,69 @@ fn a_poke_that_cannot_be_is_refused_in_one_line() {
         assert_eq!(format!("error: {}\n", object["error"].as_str().unwrap()), line);
     }
     assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
+}
+
+/// What a clock chooses stands in the report and in the copy of the scene, and running the copy gives the same bits.
+#[test]
+fn a_choice_by_a_clock_is_recorded_and_repeats_from_the_copy() {
+    let folder = tempfile::tempdir().unwrap();
+    let scene = sutura::scene::BUILT_IN.replace("\nsolver = \"be-pcg:10:1\"", "\nsolver = \"auto:1000\"");
+    std::fs::write(folder.path().join("mine.toml"), scene).unwrap();
+    let run = |scene: &str, out: &str| -> serde_json::Value {
+        let output = sutura(
+            folder.path(),
+            &["run", scene, "--json", "--seconds", "0.03", "--out", out],
+        );
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        serde_json::from_slice(&output.stdout).unwrap()
+    };
+    let (chosen, again) = (run("mine.toml", "first"), run("first/scene.toml", "second"));
+    assert_eq!(chosen["auto"]["budget_us"], 1000);
+    for number in ["us_median", "us_p99", "force_error"] {
+        assert!(chosen["auto"][number].as_f64().unwrap() > 0.0, "{number}");
+    }
+    assert!(again.get("auto").is_none());
+    for key in ["solver", "state_hash"] {
+        assert_eq!(chosen[key], again[key]);
+    }
+    let copy = |out: &str| std::fs::read_to_string(folder.path().join(out).join("scene.toml")).unwrap();
+    assert!(copy("first").starts_with("# solver ") && copy("first").contains("auto:1000"));
+    assert_eq!(copy("first"), copy("second"));
+    // A copy may be run where it lies, and a scene of one's own is not replaced.
+    assert_eq!(run("second/scene.toml", "second")["state_hash"], chosen["state_hash"]);
+    std::fs::write(
+        folder.path().join("scene.toml"),
+        sutura::scene::BUILT_IN.replace("10:1", "10"),
+    )
+    .unwrap();
+    let output = sutura(folder.path(), &["run", "scene.toml", "--seconds", "0.01", "--out", "."]);
+    refused(&output, "another --out is right");
+}
+
+#[test]
+fn a_poke_may_leave_its_solver_to_a_clock() {
+    let folder = tempfile::tempdir().unwrap();
+    let short = ["poke", "--nodes", "6x6x4", "--run-ms", "30", "--path", "drag", "--json"];
+    let output = sutura(folder.path(), &[&short[..], &["--solver", "auto:1000"]].concat());
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let report: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(report["auto"]["budget_us"], 1000);
+    assert!(report["auto"]["force_error"].as_f64().unwrap() <= 1e-3, "{report}");
+    assert!(report["solver"].as_str().unwrap().contains(':'));
+}
+
+#[test]
+fn a_budget_that_nothing_meets_names_a_smaller_lattice() {
+    let folder = tempfile::tempdir().unwrap();
+    let scene = sutura::scene::BUILT_IN.replace("\nsolver = \"be-pcg:10:1\"", "\nsolver = \"auto:1\"");
+    std::fs::write(folder.path().join("mine.toml"), &scene).unwrap();
+    let at = scene.lines().position(|line| line.starts_with("solver = ")).unwrap() + 1;
+    let line = refused(&sutura(folder.path(), &["run", "mine.toml"]), "patch.size_mm = [");
+    let start = format!("error: mine.toml:{at}: solver = \"auto:1\": no solver takes 1 µs or less a tick");
+    assert!(line.starts_with(&start), "{line}");
+    let poke = ["poke", "--nodes", "12x12x8", "--run-ms", "20", "--solver", "auto:1"];
+    refused(&sutura(folder.path(), &poke), "--nodes ");
+    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
 }
 
 /// `sutura scene --print-default | head -0`, and the like of it.

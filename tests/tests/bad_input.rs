@@ -73,6 +73,15 @@ fn a_value_out_of_range() {
     );
 }
 
+/// With dashpots of 1 ms and skin of 3.7 MPa a tick takes far more than five explicit substeps.
+#[test]
+fn a_solver_that_is_unstable() {
+    says(
+        &refused(&[("solver", "explicit:5".into())], &[]),
+        &["scene.toml:", "solver = \"explicit:5\"", "is the smallest stable count"],
+    );
+}
+
 #[test]
 fn a_file_that_is_no_toml() {
     says(&refused_text("[patch\n", &[]), &["scene.toml:1:"]);
@@ -89,7 +98,10 @@ fn a_pitch_that_gives_too_many_nodes() {
         ],
         &[],
     );
-    says(&line, &["81 × 61 × 25 = 123525 nodes", "6912", "pitch", "fits"]);
+    says(
+        &line,
+        &["scene.toml:", "81 × 61 × 25 = 123525 nodes", "6912", "pitch", "fits"],
+    );
 }
 
 #[test]

@@ -5,10 +5,11 @@ use std::process::ExitCode;
 
 use clap::{Args, ValueEnum};
 use indicatif::{ProgressBar, ProgressStyle};
+use sutura::scene::setting::Setting;
 use sutura::study::block::Spec;
 use sutura::study::method::Method;
 use sutura::study::path::{Course, Path};
-use sutura::study::poke::{self, Request};
+use sutura::study::poke::{self, Report, Request};
 use sutura_controller::lanes::Level;
 use sutura_shared::scene::Assembly;
 
@@ -55,9 +56,9 @@ pub(crate) struct PokeArgs {
     #[arg(long, value_name = "I,J,K", value_parser = triple::<','>)]
     node: Option<[u32; 3]>,
     /// explicit[:substeps], be-pcg[:iterations[:newton]], be-chebyshev[:iterations], vbd[:sweeps[:omega]], or to compare xpbd[:substeps],
-    /// pd[:iterations].
+    /// pd[:iterations]. auto:<µs> takes the most accurate within that time on this machine.
     #[arg(long, default_value = "be-pcg")]
-    solver: Method,
+    solver: Setting<Method>,
     /// Time in which the path grows to its full size.
     #[arg(long, value_name = "T", default_value = "100", value_parser = within::<0, 60_000_000>)]
     ramp_ms: f64,
@@ -105,7 +106,24 @@ pub(crate) fn run(args: &PokeArgs) -> ExitCode {
         Ok(request) => request,
         Err(error) => return crate::fail(&error, args.json, 2),
     };
+    match poke(args, request) {
+        Ok(report) if args.json => crate::print_json(&report),
+        Ok(report) => crate::say(format_args!("{report}\n")),
+        Err(error) => return crate::fail(&error, args.json, error.exit_code()),
+    }
+    ExitCode::SUCCESS
+}
+
+fn poke(args: &PokeArgs, mut request: Request) -> Result<Report, poke::Error> {
     let interrupted = crate::interrupt();
+    let auto = match args.solver {
+        Setting::Fixed(_) => None,
+        Setting::Auto { budget_us } => {
+            let table = poke::choose(&request, budget_us, &interrupted)?;
+            request.method = Method::Controller(table.solver);
+            Some(table.auto)
+        }
+    };
     let bar = if args.reference {
         ProgressBar::new(u64::from(args.run_ms))
     } else {
@@ -115,14 +133,9 @@ pub(crate) fn run(args: &PokeArgs) -> ExitCode {
     {
         bar.set_style(style);
     }
-    let result = poke::run(&request, &interrupted, |tick, _| bar.set_position(u64::from(tick)));
+    let report = poke::run(&request, &interrupted, |tick, _| bar.set_position(u64::from(tick)));
     bar.finish_and_clear();
-    match result {
-        Ok(report) if args.json => crate::print_json(&report),
-        Ok(report) => crate::say(format_args!("{report}\n")),
-        Err(error) => return crate::fail(&error, args.json, error.exit_code()),
-    }
-    ExitCode::SUCCESS
+    Ok(Report { auto, ..report? })
 }
 
 fn request(args: &PokeArgs) -> Result<Request, BadFlag> {
@@ -153,7 +166,10 @@ fn request(args: &PokeArgs) -> Result<Request, BadFlag> {
             ramp_s: args.ramp_ms * 1e-3,
         },
         ticks: args.run_ms,
-        method: args.solver,
+        method: match args.solver {
+            Setting::Fixed(method) => method,
+            Setting::Auto { .. } => Method::default(),
+        },
         reference: args.reference,
         positions: args.positions.clone(),
         forces: args.forces.clone(),

@@ -6,6 +6,9 @@ use std::path::{Path, PathBuf};
 use super::log::{Log, length};
 use crate::plot;
 
+/// The copy of the scene as it ran.
+const SCENE: &str = "scene.toml";
+
 /// Makes the folder of a run, so that a run does not end in vain.
 ///
 /// # Errors
@@ -17,17 +20,33 @@ pub fn folder(out: &Path) -> Result<(), Error> {
     })
 }
 
-/// Writes `force.csv` and `force.png`.
+/// Refuses a folder in which the run's `copy` of its scene would replace that scene by something else.
+///
+/// # Errors
+/// [`Error::Scene`].
+pub fn spare(out: &Path, scene: Option<&Path>, copy: &str) -> Result<(), Error> {
+    let place = out.join(SCENE);
+    let is_scene = |scene: &Path| matches!((scene.canonicalize(), place.canonicalize()), (Ok(a), Ok(b)) if a == b);
+    let same = || std::fs::read_to_string(&place).is_ok_and(|text| text == copy);
+    if scene.is_some_and(is_scene) && !same() {
+        return Err(Error::Scene { path: place });
+    }
+    Ok(())
+}
+
+/// Writes `scene.toml`, `force.csv` and `force.png`.
 ///
 /// # Errors
 /// The file system refuses, or the picture cannot be drawn.
-pub fn write(out: &Path, title: &str, log: &Log) -> Result<(), Error> {
-    whole(&out.join("force.csv"), |path| {
-        csv(path, log).map_err(|cause| Error::File {
+pub fn write(out: &Path, copy: &str, title: &str, log: &Log) -> Result<(), Error> {
+    let file = |path: &Path, done: io::Result<()>| {
+        done.map_err(|cause| Error::File {
             path: path.to_owned(),
             cause,
         })
-    })?;
+    };
+    whole(&out.join(SCENE), |path| file(path, std::fs::write(path, copy)))?;
+    whole(&out.join("force.csv"), |path| file(path, csv(path, log)))?;
     whole(&out.join("force.png"), |path| {
         plot::force(path, title, log).map_err(Error::Plot)
     })
@@ -81,6 +100,12 @@ pub enum Error {
         path: PathBuf,
         /// Why.
         cause: io::Error,
+    },
+    /// The scene lies where its copy is to be.
+    #[error("{}: the scene itself lies where the copy of it as it runs is to be; another --out is right", path.display())]
+    Scene {
+        /// Where.
+        path: PathBuf,
     },
     /// The picture cannot be drawn.
     #[error("the picture cannot be drawn: {0}")]

@@ -5,6 +5,7 @@ use std::fmt::{self, Display, Formatter};
 use serde::Serialize;
 
 use super::log::{Change, Peaks, Puncture, StageSpan};
+use crate::study::budget::Auto;
 use crate::voxelize::Springs;
 
 impl Display for Report {
@@ -15,6 +16,9 @@ impl Display for Report {
             self.voxels, self.nodes, self.springs.edge, self.springs.body_diagonal
         )?;
         writeln!(f, "effects: {}; solver {}", self.effects.join(", "), self.solver)?;
+        if let Some(auto) = &self.auto {
+            writeln!(f, "the solver was chosen {auto}")?;
+        }
         writeln!(f)?;
         writeln!(f, "stage            from s      to s    peak N    mean N  thread N")?;
         for stage in &self.stages {
@@ -63,7 +67,7 @@ impl Display for Report {
             "a tick took {median:.0} µs (median), {p99:.0} µs (99 %), {max:.0} µs (most); state hash {}",
             self.state_hash
         )?;
-        write!(f, "files: {0}/force.csv, {0}/force.png", self.out)
+        write!(f, "files: {0}/force.csv, {0}/force.png, {0}/scene.toml", self.out)
     }
 }
 
@@ -84,6 +88,9 @@ pub struct Report {
     pub effects: Vec<&'static str>,
     /// How the tissue was advanced.
     pub solver: String,
+    /// What it was chosen by, where a clock chose it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub auto: Option<Auto>,
     /// Ticks that were run.
     pub ticks: u32,
     /// Stages in order.

@@ -3,12 +3,13 @@
 use std::path::{Path, PathBuf};
 
 use nalgebra::{Matrix3x4, Vector4};
-use sutura_shared::scene::{self, Body, Lattice, Scene, Tool};
+use sutura_shared::scene::{self, Body, Lattice, Scene, Solver, Tool};
 
 use super::file::{Mesh as MeshFile, Phantom};
 use super::operator::{self, Operator, Place};
 use super::plan::{self, Plan};
 use super::reach;
+use super::setting::Setting;
 use crate::geometry::Vec3;
 use crate::geometry::frame::Site;
 use crate::geometry::lattice::{self, LatticeCounts};
@@ -35,7 +36,11 @@ pub fn build(plan: &Plan, nodes_max: usize) -> Result<Built, Error> {
     let half = place.half_m as f32;
     let scene = Scene {
         effects: plan.effects,
-        solver: plan.solver,
+        solver: match plan.solver {
+            Setting::Fixed(solver) => solver,
+            // Until a clock has chosen.
+            Setting::Auto { .. } => Solver::default(),
+        },
         lattice: Lattice {
             cells: patch.grid.cells.map(|cells| cells as u16),
             pitch_m: (patch.grid.pitch * 1e-3) as f32,

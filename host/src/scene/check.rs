@@ -8,6 +8,7 @@ use toml::Spanned;
 
 use super::file::{self, File, Number};
 use super::plan::{Hand, Plan};
+use super::setting::Setting;
 use super::source::{Error, Source};
 
 /// Checks a file.
@@ -82,7 +83,7 @@ fn effects(source: &Source, names: &[Spanned<String>]) -> Result<Effects, Error>
     Ok(effects)
 }
 
-fn solver(source: &Source, text: &Spanned<String>) -> Result<Solver, Error> {
+fn solver(source: &Source, text: &Spanned<String>) -> Result<Setting<Solver>, Error> {
     let name = text.get_ref();
     name.parse()
         .map_err(|error| source.fault(text.span(), format!("solver = \"{name}\": {error}")))
@@ -206,10 +207,10 @@ mod tests {
         let plan = altered("thickness_mm = 2 ", "thickness_mm = 1.2 ").unwrap();
         assert_eq!(
             plan.solver,
-            Solver::BePcg {
+            Setting::Fixed(Solver::BePcg {
                 iterations: 10,
                 newton: 1
-            }
+            })
         );
         let thread = plan.thread.unwrap();
         assert_eq!((thread.nodes, thread.link_m, thread.mass_kg_per_m), (24, 0.005, 43e-6));

@@ -9,17 +9,22 @@
 //! | [`operator`] | the hand's script |
 //! | [`reach`] | whether the simulated arm can follow it |
 //! | [`build`] | the patch and the record for the controller |
+//! | [`setting`] | a solver by name, or by the time it may take |
+//! | [`draft`] | the text with other values: a run's copy, a suggestion |
 
 pub mod build;
 pub mod check;
+pub mod draft;
 pub mod file;
 pub mod operator;
 pub mod plan;
 pub mod reach;
+pub mod setting;
 pub mod source;
 
 use std::path::{Path, PathBuf};
 
+pub use draft::Draft;
 pub use plan::Plan;
 pub use source::{Error, Source};
 
@@ -31,19 +36,7 @@ pub const BUILT_IN: &str = include_str!("../../scenes/stitch.toml");
 /// # Errors
 /// The file cannot be read, or something in it is wrong: one line with file, line, key, value and what would be right.
 pub fn load(path: Option<&Path>) -> Result<Plan, Error> {
-    let source = match path {
-        Some(path) => Source::read(path)?,
-        None => Source {
-            name: "built-in scene".to_owned(),
-            text: BUILT_IN.to_owned(),
-        },
-    };
-    let mut plan = check::check(&source, &source.parse()?)?;
-    let folder = path.and_then(Path::parent).unwrap_or(Path::new(""));
-    for mesh in plan.tissues.iter_mut().filter_map(|tissue| tissue.mesh.as_mut()) {
-        mesh.path = folder.join(&mesh.path);
-    }
-    Ok(plan)
+    Draft::open(path, &[])?.plan()
 }
 
 /// Gives tissues other meshes: `--mesh TISSUE=PATH`. Units and transform stay as the scene has them.

@@ -4,6 +4,7 @@ use sutura_shared::scene::{Assembly, Contact, Effects, Law, Output, Profile, Sol
 
 use super::file::{Mesh, Phantom};
 use super::operator::Operator;
+use super::setting::Setting;
 
 /// Everything a scene file says.
 #[derive(Clone, Debug)]
@@ -11,7 +12,7 @@ pub struct Plan {
     /// Effects that are on.
     pub effects: Effects,
     /// How the tissue is advanced.
-    pub solver: Solver,
+    pub solver: Setting<Solver>,
     /// A generated body in place of mesh files.
     pub phantom: Option<Phantom>,
     /// The block to cut out.

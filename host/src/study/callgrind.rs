@@ -60,8 +60,8 @@ pub fn present() -> Result<(), Error> {
 
 /// The sum of all collected instructions in callgrind's own format.
 fn total(text: &str) -> Option<u64> {
-    let lines = text.lines().filter_map(|line| line.strip_prefix("totals: "));
-    lines.last()?.trim().parse().ok()
+    let mut lines = text.lines().filter_map(|line| line.strip_prefix("totals: "));
+    lines.next_back()?.trim().parse().ok()
 }
 
 /// Why nothing was counted; one line each.

@@ -31,6 +31,12 @@ pub enum Method {
     },
 }
 
+impl Default for Method {
+    fn default() -> Self {
+        Self::Controller(Solver::default())
+    }
+}
+
 /// Substeps of `xpbd` where none are named.
 const XPBD_SUBSTEPS: u16 = 20;
 /// Iterations of `pd` where none are named.

@@ -4,6 +4,7 @@
 
 pub mod band;
 pub mod block;
+pub mod budget;
 pub mod callgrind;
 pub mod double;
 pub mod fem;

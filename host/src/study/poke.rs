@@ -6,11 +6,13 @@
 //! With a reference: the same block and path in double precision ([`super::double`]), converged. Errors are relative to its root mean
 //! square over all ticks: of the force, and over all nodes and ticks of the displacement.
 
+mod choose;
 pub mod drive;
 mod errors;
 mod files;
 mod report;
 
+pub use choose::{Unmet, choose};
 pub use errors::Errors;
 pub use report::Report;
 
@@ -24,6 +26,7 @@ use sutura_shared::scene::Law;
 use self::drive::Poke;
 use self::errors::Comparison;
 use super::block::{self, Block, Spec};
+use super::budget::Interrupted;
 use super::double::{Model, NoEquilibrium, V};
 use super::method::{Method, NEAR, NotBuilt};
 use super::path::Course;
@@ -114,6 +117,7 @@ pub fn run(request: &Request, interrupted: &AtomicBool, mut progress: impl FnMut
             .explicit_substeps()
             .map(|substeps| us_per_tick.median * 1e3 / f64::from(substeps) / springs as f64),
         errors,
+        auto: None,
     })
 }
 
@@ -204,9 +208,21 @@ pub enum Error {
     /// The files.
     #[error(transparent)]
     Files(#[from] crate::run::files::Error),
+    /// No solver within the budget.
+    #[error(transparent)]
+    Unmet(Unmet),
+    /// No solver holds the block.
+    #[error("no solver keeps this block's state finite: softer or denser tissue is right")]
+    NoSolver,
     /// Ctrl+C.
     #[error("interrupted")]
     Interrupted,
+}
+
+impl From<Interrupted> for Error {
+    fn from(_: Interrupted) -> Self {
+        Self::Interrupted
+    }
 }
 
 impl Error {

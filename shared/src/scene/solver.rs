@@ -2,6 +2,7 @@
 
 use crate::check::{Invalid, Validate, require};
 use core::fmt;
+use core::num::{IntErrorKind, ParseIntError};
 use core::str::{FromStr, Split};
 use serde::{Deserialize, Serialize};
 
@@ -35,6 +36,16 @@ pub enum Solver {
         /// Over-relaxation ω; 1 for none.
         omega: f32,
     },
+}
+
+/// What scenes take unless something speaks for another: `be-pcg` without a number.
+impl Default for Solver {
+    fn default() -> Self {
+        Self::BePcg {
+            iterations: 10,
+            newton: 1,
+        }
+    }
 }
 
 /// What the text of a solver may be.
@@ -79,18 +90,20 @@ impl FromStr for Solver {
         let mut parts = text.split(':');
         let solver = match parts.next() {
             Some("explicit") => Self::Explicit {
-                substeps: number(&mut parts, 0)?,
+                substeps: count(&mut parts, 0)?,
             },
             Some("be-pcg") => Self::BePcg {
-                iterations: number(&mut parts, 10)?,
-                newton: number(&mut parts, 1)?,
+                iterations: count(&mut parts, 10)?,
+                newton: count(&mut parts, 1)?,
             },
             Some("be-chebyshev") => Self::BeChebyshev {
-                iterations: number(&mut parts, 10)?,
+                iterations: count(&mut parts, 10)?,
             },
             Some("vbd") => Self::Vbd {
-                sweeps: number(&mut parts, 8)?,
-                omega: number(&mut parts, 1.5)?,
+                sweeps: count(&mut parts, 8)?,
+                omega: parts
+                    .next()
+                    .map_or(Ok(1.5), |part| part.parse().map_err(|_| NoSolver::Method))?,
             },
             _ => return Err(NoSolver::Method),
         };
@@ -102,11 +115,14 @@ impl FromStr for Solver {
     }
 }
 
-/// The next part of the text, or what stands for it where it is left out.
-fn number<T: FromStr>(parts: &mut Split<'_, char>, default: T) -> Result<T, NoSolver> {
-    parts
-        .next()
-        .map_or(Ok(default), |part| part.parse().map_err(|_| NoSolver::Method))
+/// The next part of the text, or what stands for it where it is left out. A number too long to hold is the largest: it is out of range,
+/// and the refusal says which range.
+fn count(parts: &mut Split<'_, char>, default: u16) -> Result<u16, NoSolver> {
+    let Some(part) = parts.next() else { return Ok(default) };
+    part.parse().or_else(|error: ParseIntError| match error.kind() {
+        IntErrorKind::PosOverflow => Ok(u16::MAX),
+        _ => Err(NoSolver::Method),
+    })
 }
 
 /// Why a text names no solver.
@@ -138,6 +154,7 @@ mod tests {
     /// The grammar's texts and what they stand for in full.
     #[test]
     fn numbers_left_out_have_their_defaults() {
+        assert_eq!("be-pcg".parse(), Ok(Solver::default()));
         for (text, full) in [
             ("explicit", "explicit"),
             ("explicit:5", "explicit:5"),
@@ -172,6 +189,8 @@ mod tests {
         }
         for (text, what) in [
             ("be-pcg:0", "solver.iterations is 1 to 1000"),
+            ("be-pcg:100000", "solver.iterations is 1 to 1000"),
+            ("vbd:99999999999999999999", "solver.sweeps is 1 to 1000"),
             ("be-pcg:1:101", "solver.newton is 1 to 100"),
             ("explicit:1001", "solver.substeps is 1 to 1000, or none"),
             ("vbd:8:2", "solver.omega is 0.1 to 1.95"),

@@ -6,6 +6,7 @@ use serde::Serialize;
 
 use super::errors::Errors;
 use crate::run::report::TickTime;
+use crate::study::budget::Auto;
 
 /// The keys of `--json`.
 #[derive(Clone, Debug, Serialize)]
@@ -16,6 +17,9 @@ pub struct Report {
     pub springs: usize,
     /// How the tissue was advanced.
     pub solver: String,
+    /// What it was chosen by, where a clock chose it; its time is that of the solve alone.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub auto: Option<Auto>,
     /// Whether everything stayed finite.
     pub finite: bool,
     /// Magnitude of the reaction at the end [N].
@@ -36,6 +40,9 @@ impl Display for Report {
             nodes, springs, solver, ..
         } = self;
         writeln!(f, "{nodes} nodes, {springs} springs; solver {solver}")?;
+        if let Some(auto) = &self.auto {
+            writeln!(f, "the solver was chosen {auto}")?;
+        }
         if self.finite {
             writeln!(f, "reaction at the end: {:.6} N", self.force_n)?;
         } else {
