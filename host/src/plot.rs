@@ -1,5 +1,6 @@
-//! Force over time as a picture: stages as bands, punctures marked (Lian & Chen Fig. 19); [`curve`] and [`budget`].
+//! Force over time as a picture: stages as bands, punctures marked (Lian & Chen Fig. 19); [`accuracy`], [`budget`] and [`curve`].
 
+pub mod accuracy;
 pub mod budget;
 pub mod curve;
 

@@ -109,11 +109,10 @@ fn rows() -> Vec<Row> {
 
 /// Measures and prints a row; gives whether it is within its goals.
 fn judge(row: &Row, compare: bool) -> Result<bool, Box<dyn Error>> {
-    let [x, y, z] = row.nodes.map(|n| n as usize);
     let mut request = request(row)?;
     let (mut limit, mut median, mut p99) = (Some(f64::INFINITY), f64::INFINITY, f64::INFINITY);
     for _ in 0..TURNS {
-        limit = limit.and_then(|best| yardstick::limit_us(x, y, z).map(|now| best.min(now)));
+        limit = limit.and_then(|best| yardstick::limit_us(row.nodes).map(|now| best.min(now)));
         let time = poke::run(&request, &AtomicBool::new(false), |_, _| {})?.us_per_tick;
         (median, p99) = (median.min(time.median), p99.min(time.p99));
     }
@@ -137,11 +136,7 @@ fn judge(row: &Row, compare: bool) -> Result<bool, Box<dyn Error>> {
 
 fn print(row: &Row, limit: Option<f64>, times: [f64; 2], errors: Option<[f64; 2]>) {
     let [x, y, z] = row.nodes;
-    let path = match row.path {
-        Path::Lift { .. } => "lift",
-        Path::Drag => "drag",
-        Path::Tap => "tap",
-    };
+    let path = row.path.name();
     let columns = times.iter().zip(&row.goal).map(|(time, goal)| {
         let ratio = limit.map_or_else(|| "-".to_owned(), |limit| format!("{:.2}", time / limit));
         let goal = if goal.is_finite() {

@@ -12,7 +12,7 @@ use sutura::geometry::voxelize::{between_crossings, inside};
 use sutura_tests::{scenario, shared, yardstick};
 
 /// Lattices in nodes, x × y × z.
-const SIZES: [[usize; 3]; 4] = [[8, 8, 4], [12, 12, 6], [16, 16, 8], [24, 24, 12]];
+const SIZES: [[u32; 3]; 4] = [[8, 8, 4], [12, 12, 6], [16, 16, 8], [24, 24, 12]];
 /// Median tick of the whole stitch over the limit for as many nodes, at most.
 const STITCH: f64 = 12.0;
 /// The voxelizer over a plain signed scanline, at most.
@@ -36,8 +36,8 @@ fn main() -> ExitCode {
 
 fn limits() {
     println!("{:<24} {:>8} {:>12}", "lattice", "nodes", "limit [µs]");
-    for [nx, ny, nz] in SIZES {
-        let Some(limit) = yardstick::limit_us(nx, ny, nz) else {
+    for nodes @ [nx, ny, nz] in SIZES {
+        let Some(limit) = yardstick::limit_us(nodes) else {
             return;
         };
         println!("{:<24} {:>8} {limit:>12.1}", format!("{nx}x{ny}x{nz}"), nx * ny * nz);
@@ -47,8 +47,9 @@ fn limits() {
 /// The built-in scene's ticks beside the limit for its lattice, one after the other; gives whether the ratio is within its limit.
 fn stitch() -> Result<bool, Box<dyn Error>> {
     let cells = scenario::built(None)?.scene.lattice.cells;
-    let [nx, ny, nz] = cells.map(|cells| usize::from(cells) + 1);
-    let limit = yardstick::limit_us(nx, ny, nz);
+    let nodes = cells.map(|cells| u32::from(cells) + 1);
+    let [nx, ny, nz] = nodes;
+    let limit = yardstick::limit_us(nodes);
     let tick = scenario::run(None)?.tick_us;
     let lattice = format!("{nx}x{ny}x{nz}");
     println!();

@@ -1,5 +1,6 @@
 //! The commands of `sutura study`, one file each.
 
+mod accuracy;
 mod stability;
 
 use std::process::ExitCode;
@@ -8,6 +9,8 @@ use clap::Subcommand;
 
 #[derive(Subcommand)]
 pub(crate) enum Study {
+    /// Tells what accuracy costs in time: every solver over its dial, its error beside the time of its tick.
+    Accuracy(accuracy::AccuracyArgs),
     /// Tries hard cases under every solver and law, and says which of them come to rest.
     Stability(stability::StabilityArgs),
 }
@@ -15,6 +18,7 @@ pub(crate) enum Study {
 /// Studies.
 pub(crate) fn run(study: &Study) -> ExitCode {
     match study {
+        Study::Accuracy(args) => accuracy::run(args),
         Study::Stability(args) => stability::run(args),
     }
 }

@@ -16,6 +16,18 @@ pub enum Path {
     Tap,
 }
 
+impl Path {
+    /// As it is named on the command line.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Lift { .. } => "lift",
+            Self::Drag => "drag",
+            Self::Tap => "tap",
+        }
+    }
+}
+
 /// A path that is blended in over a ramp.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Course {

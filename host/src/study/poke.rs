@@ -7,12 +7,15 @@
 //! square over all ticks: of the force, and over all nodes and ticks of the displacement.
 
 mod choose;
+mod converged;
 pub mod drive;
 mod errors;
 mod files;
 mod report;
 
 pub use choose::{Unmet, choose};
+pub(crate) use converged::{Converged, Equation};
+pub(crate) use errors::Distance;
 pub use errors::Errors;
 pub use report::Report;
 
@@ -24,7 +27,6 @@ use sutura_controller::math::TICK_HZ;
 use sutura_shared::scene::Law;
 
 use self::drive::Poke;
-use self::errors::Comparison;
 use super::block::{self, Block, Spec};
 use super::budget::Interrupted;
 use super::double::{Model, NoEquilibrium, V};
@@ -89,13 +91,17 @@ pub fn run(request: &Request, interrupted: &AtomicBool, mut progress: impl FnMut
     })?;
     let errors = match request.reference {
         true => {
-            let mut errors = Comparison::new(&poke, &model, method);
+            let mut converged = Converged::new(&poke, &model, Equation::of(method));
+            let mut distance = Distance::default();
             poke.run(&*solver, request.ticks, |state, _| {
-                errors.compare(state)?;
+                converged.advance(state.tick)?;
+                let force = model.reaction(poke.node, |node| state.displacement(node));
+                distance.add_force(force, converged.reaction());
+                distance.add_shape(state, converged.displacement());
                 progress(state.tick, request.ticks);
                 go_on()
             })?;
-            Some(errors.errors())
+            Some(distance.errors())
         }
         false => None,
     };
@@ -129,7 +135,7 @@ struct Record {
 }
 
 /// The block as it is poked, and its double.
-fn prepare(request: &Request) -> Result<(Poke, Model), Error> {
+pub(crate) fn prepare(request: &Request) -> Result<(Poke, Model), Error> {
     let Spec {
         nodes: [nx, ny, nz],
         pitch_m,

@@ -9,6 +9,7 @@ mod gradients;
 mod linear;
 mod march;
 mod newton;
+mod pull;
 mod stability;
 mod tangent;
 mod volume;
@@ -72,8 +73,6 @@ struct Stretched {
     tension: f64,
     /// dT/dl [N/m].
     slope: f64,
-    /// Stored energy [J].
-    energy: f64,
 }
 
 impl Model {
@@ -139,14 +138,7 @@ impl Model {
         force.clear();
         let mut energy = 0.0;
         for family in &self.families {
-            for low in family.springs() {
-                let high = low + family.offset;
-                let spring = family.stretch(low, at.get(high) - at.get(low));
-                let pull = spring.direction * spring.tension;
-                force.add(low, pull);
-                force.add(high, -pull);
-                energy += spring.energy;
-            }
+            energy += family.pull(at, force);
         }
         energy + self.voxels.elastic(at, force)
     }
@@ -182,14 +174,13 @@ impl Family {
         let length = now.norm();
         // l − L₀ from l² − L₀², which keeps the digits that the difference of lengths would lose.
         let longer = delta.dot(&(self.rest * 2.0 + delta)) / (length + self.length);
-        let [tension, slope, energy] = self.curve.follow(longer / self.length);
+        let [[tension], [slope], _] = self.curve.follow(&[longer / self.length]);
         let k = self.stiffness[low];
         Stretched {
             direction: now / length,
             length,
             tension: k * self.length * tension,
             slope: k * slope,
-            energy: k * self.length * self.length * energy,
         }
     }
 }
@@ -218,20 +209,25 @@ impl Curve {
         }
     }
 
-    /// T/(k L₀), its slope and its integral over the strain.
+    /// T/(k L₀), its slope and its integral over the strain, for each of some strains.
     #[inline]
-    fn follow(&self, strain: f64) -> [f64; 3] {
+    fn follow<const M: usize>(&self, strain: &[f64; M]) -> [[f64; M]; 3] {
         let [from, gain] = self.lock;
-        let under = (-strain - from).max(0.0);
-        let mut tension = strain - 0.5 * gain * under * under;
-        let mut slope = 1.0 + gain * under;
-        let mut energy = 0.5 * strain * strain + gain * under * under * under / 6.0;
+        let [mut tension, mut slope, mut energy] = [[0.0; M]; 3];
+        for i in 0..M {
+            let under = (-strain[i] - from).max(0.0);
+            tension[i] = strain[i] - 0.5 * gain * under * under;
+            slope[i] = 1.0 + gain * under;
+            energy[i] = 0.5 * strain[i] * strain[i] + gain * under * under * under / 6.0;
+        }
         for [at, rise] in &self.breaks {
-            let past = strain - at;
-            let over = if *at < 0.0 { past.min(0.0) } else { past.max(0.0) };
-            tension += rise * over;
-            slope += if over.abs() > 0.0 { *rise } else { 0.0 };
-            energy += 0.5 * rise * over * over;
+            let side = at.signum();
+            for i in 0..M {
+                let over = side * (side * (strain[i] - at)).max(0.0);
+                tension[i] += rise * over;
+                slope[i] += if over.abs() > 0.0 { *rise } else { 0.0 };
+                energy[i] += 0.5 * rise * over * over;
+            }
         }
         [tension, slope, energy]
     }

@@ -25,6 +25,21 @@ pub struct Poke {
     pub level: Level,
 }
 
+/// The solver alone, one tick of it: what is timed. Never inlined, so that its instructions can be counted under this name.
+#[inline(never)]
+fn solve(
+    solver: &dyn Solver<PC_NODES>,
+    problem: &Problem<'_, PC_NODES>,
+    load: &Field<PC_NODES>,
+    tissue: &mut Tissue<PC_NODES>,
+    work: &mut Work<PC_NODES>,
+) {
+    solver.advance(problem, load, tissue, work);
+}
+
+/// [`solve`]'s name for a program that counts instructions.
+pub(crate) const SOLVE: &str = "*poke::drive::solve";
+
 /// Where the tissue is at a tick's end.
 #[derive(Clone, Debug)]
 pub struct State {
@@ -83,7 +98,7 @@ impl Poke {
         for tick in 1..=ticks {
             self.set_velocity(tick, &mut state.tissue);
             let start = thread_time();
-            solver.advance(&problem, &load, &mut state.tissue, &mut work);
+            solve(solver, &problem, &load, &mut state.tissue, &mut work);
             let took = thread_time().saturating_sub(start);
             for (part, place) in state.tissue.displacement.iter_mut().zip(self.place(tick)) {
                 part[self.node] = place;
