@@ -216,6 +216,33 @@ fn a_budget_that_nothing_meets_names_a_smaller_lattice() {
     assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
 }
 
+#[test]
+fn the_study_of_a_scene_is_a_table_with_its_files() {
+    let folder = tempfile::tempdir().unwrap();
+    let scene = include_str!("../scenes/touch.toml").replace("size_mm = [40, 30, 12]", "size_mm = [12, 12, 8]");
+    std::fs::write(folder.path().join("touch.toml"), scene).unwrap();
+    let study = ["study", "accuracy", "--out", "o", "--json", "--scene", "touch.toml"];
+    let output = sutura(folder.path(), &study);
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let table: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    let rows = table["rows"].as_array().unwrap();
+    let chosen = rows.iter().find(|row| row["solver"] == table["solver"]).unwrap();
+    assert_eq!(
+        (&chosen["within"], &table["auto"]["budget_us"]),
+        (&true.into(), &1000.into())
+    );
+    for number in ["us_median", "us_p99", "force_error"] {
+        assert_eq!(chosen[number], table["auto"][number], "{number}");
+    }
+    let csv = std::fs::read_to_string(folder.path().join("o/budget.csv")).unwrap();
+    assert_eq!(csv.lines().count(), rows.len() + 1);
+    assert!(
+        ["budget.json", "budget.png"]
+            .iter()
+            .all(|name| folder.path().join("o").join(name).exists())
+    );
+}
+
 /// `sutura scene --print-default | head -0`, and the like of it.
 #[test]
 fn a_closed_stdout_is_no_error() {
@@ -302,6 +329,15 @@ fn bad_flags_are_one_line() {
         (&["moduli", "--block", "12"], "three counts are needed, such as 8x8x4"),
         (&["moduli", "--pitch-mm", "0"], "a number from 0.01 to 100 is needed"),
         (&["voxelize", "a.stl"], "--pitch-mm <P>"),
+        (
+            &["study", "accuracy", "--out", "o", "--budget-us", "1001"],
+            "1001 is not in 1..=1000",
+        ),
+        (
+            &["study", "accuracy", "--out", "o", "--quick", "--scene", "a.toml"],
+            "--quick",
+        ),
+        (&["study", "accuracy", "--out", "o", "--scene", "a.toml"], "a.toml"),
     ] {
         refused(&sutura(folder.path(), arguments), what);
     }
