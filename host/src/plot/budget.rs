@@ -85,9 +85,10 @@ fn draw<DB: DrawingBackend>(root: &Area<DB>, picture: &Picture) -> Drawn<DB> {
     }
     let (name, at) = &picture.chosen;
     let at = (at.0, at.1.max(errors[0]));
-    let style = label(HPos::Right);
+    // Nothing is both cheaper and more accurate, so there is room on that side.
+    let style = label(HPos::Right, VPos::Top);
     chart.draw_series([Circle::new(at, 13, INK.stroke_width(3))])?;
-    chart.draw_series([EmptyElement::at(at) + Text::new(name.clone(), (-16, -12), style)])?;
+    chart.draw_series([EmptyElement::at(at) + Text::new(name.clone(), (-16, 10), style)])?;
     chart
         .configure_series_labels()
         .position(SeriesLabelPosition::UpperRight)
@@ -109,8 +110,8 @@ fn marks<DB: DrawingBackend>(chart: &mut Chart<'_, DB>, budget_us: f64, [times, 
     let budget = format!("{budget_us} µs ");
     let enough = format!(" {ENOUGH} %: no better one is looked for");
     chart.draw_series([
-        Text::new(budget, (budget_us, errors[0] * 1.05), label(HPos::Right)),
-        Text::new(enough, (times[0], ENOUGH), label(HPos::Left)),
+        Text::new(budget, (budget_us, errors[0] * 1.05), label(HPos::Right, VPos::Bottom)),
+        Text::new(enough, (times[0], ENOUGH), label(HPos::Left, VPos::Bottom)),
     ])?;
     Ok(())
 }
