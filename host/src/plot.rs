@@ -1,8 +1,9 @@
-//! Force over time as a picture: stages as bands, punctures marked (Lian & Chen Fig. 19); [`accuracy`], [`budget`] and [`curve`].
+//! Force over time as a picture: stages as bands, punctures marked (Lian & Chen Fig. 19); [`accuracy`], [`budget`], [`curve`] and [`pitch`].
 
 pub mod accuracy;
 pub mod budget;
 pub mod curve;
+pub mod pitch;
 
 use std::path::Path;
 use std::sync::OnceLock;

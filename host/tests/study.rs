@@ -20,6 +20,7 @@ fn request(out: &std::path::Path) -> Request {
             dials: [1, 2].map(|times| Dial::Explicit { times }).into(),
             counted: 48,
         },
+        statics: None,
         level: Level::best(),
         limit_source: out.join("no-kernel.c"),
         program: Some(env!("CARGO_BIN_EXE_sutura").into()),

@@ -47,6 +47,7 @@ fn report() -> &'static Report {
                 dials: explicit.into_iter().chain(solvers.map(method)).collect(),
                 counted: 0,
             },
+            statics: None,
             level: Level::best(),
             limit_source: folder.path().join("kernel.c"),
             program: None,

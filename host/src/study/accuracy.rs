@@ -1,14 +1,18 @@
 //! The work of `sutura study accuracy`: what accuracy costs in time.
 //!
 //! Every solver over its dial, on the work of `sutura poke` ([`case`]): how far its force is from the truth ([`measure`]), what a tick costs
-//! ([`price`]), and which settings nothing beats ([`verdict`]). Errors are computed on all cores; times are measured when nothing else of
+//! ([`price`]), and which settings nothing beats ([`verdict`]). Beside them the errors that no solver can mend ([`pitch`], [`model`]). Errors are computed on all cores; times are measured when nothing else of
 //! ours runs, instructions last.
 
+mod body;
 pub mod case;
 mod files;
 pub mod measure;
+pub mod model;
+pub mod pitch;
 pub mod price;
 mod report;
+pub mod statics;
 pub mod verdict;
 
 pub use report::{Lattice, Report, Row};
@@ -23,6 +27,7 @@ use sutura_controller::lanes::Level;
 use self::case::{Case, Matrix, named};
 use self::measure::Measured;
 use self::price::Work;
+use self::statics::{Extent, Statics};
 use super::limit::Limit;
 use super::{callgrind, parallel, poke};
 use crate::run;
@@ -32,6 +37,8 @@ use crate::run;
 pub struct Request {
     /// Cases and dials.
     pub matrix: Matrix,
+    /// Errors of pitch and model, where they are wanted.
+    pub statics: Option<Extent>,
     /// What the controller's passes run on.
     pub level: Level,
     /// Source of the C kernel.
@@ -47,6 +54,8 @@ pub struct Request {
 pub enum Progress {
     /// Part of the errors.
     Errors(f64),
+    /// Part of the bodies at rest.
+    Statics(f64),
     /// Part of the times of one lattice.
     Times(f64),
     /// Part of the instructions.
@@ -82,6 +91,7 @@ fn study(request: &Request, interrupted: &AtomicBool, progress: &(impl Fn(Progre
     };
     let mut notes = Vec::new();
     let measured = errors(request, &go_on, |part| progress(Progress::Errors(part)))?;
+    let statics = at_rest(request.statics, &go_on, progress, &mut notes)?;
     let works = price::works(&measured);
     let mut rows: Vec<Row> = measured.iter().map(Row::new).collect();
     let mut lattices = Vec::new();
@@ -110,6 +120,7 @@ fn study(request: &Request, interrupted: &AtomicBool, progress: &(impl Fn(Progre
     Ok(Report {
         lattices: lattices.iter().map(verdict).collect(),
         rows,
+        statics,
         ticks: case::TICKS,
         ramp_ms: case::RAMP_MS,
         simd: request.level.name(),
@@ -142,6 +153,24 @@ fn errors(
         })
     })?;
     Ok(measured.into_iter().rev().flatten().collect())
+}
+
+/// What pitch and model cost, as far as it is wanted.
+fn at_rest(
+    extent: Option<Extent>,
+    go_on: &(impl Fn() -> Result<(), poke::Error> + Sync),
+    progress: &(impl Fn(Progress) + Sync),
+    notes: &mut Vec<String>,
+) -> Result<Option<Statics>, Error> {
+    let Some(extent) = extent else {
+        return Ok(None);
+    };
+    if extent == Extent::Quick {
+        notes.push(statics::LEFT_OUT.to_owned());
+    }
+    Ok(Some(statics::run(extent, go_on, &|part| {
+        progress(Progress::Statics(part))
+    })?))
 }
 
 /// The kernel for a lattice; where it is missing, that is said.

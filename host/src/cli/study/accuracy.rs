@@ -8,6 +8,7 @@ use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
 use sutura::scene::setting::BUDGET_US;
 use sutura::study::accuracy::case::Matrix;
+use sutura::study::accuracy::statics::Extent;
 use sutura::study::accuracy::{self, Progress, Request};
 use sutura::study::budget::study;
 use sutura::study::limit;
@@ -27,7 +28,7 @@ pub(crate) struct AccuracyArgs {
     /// Source of the C kernel that times are compared with; its path is relative to the current folder.
     #[arg(long, value_name = "PATH", default_value = limit::SOURCE, conflicts_with_all = ["scene", "budget_us"])]
     limit_source: PathBuf,
-    /// Folder for accuracy.csv, .json, .md, .png and .svg, or of a scene budget.csv, .json and .png.
+    /// Folder for accuracy.csv, .json, .md, .png and .svg, and pitch.png and .svg; of a scene budget.csv, .json and .png.
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
     /// The result as one JSON object on the last line of stdout.
@@ -48,6 +49,7 @@ pub(crate) fn run(args: &AccuracyArgs) -> ExitCode {
         .ok();
     let request = Request {
         matrix: if args.quick { Matrix::quick() } else { Matrix::full() },
+        statics: Some(if args.quick { Extent::Quick } else { Extent::Whole }),
         level: Level::best(),
         limit_source: args.limit_source.clone(),
         program,
@@ -61,6 +63,7 @@ pub(crate) fn run(args: &AccuracyArgs) -> ExitCode {
     let result = accuracy::run(&request, &interrupted, &|progress| {
         let (prefix, part) = match progress {
             Progress::Errors(part) => ("errors", part),
+            Progress::Statics(part) => ("pitch, model", part),
             Progress::Times(part) => ("times", part),
             Progress::Instructions(part) => ("instructions", part),
         };

@@ -8,10 +8,11 @@ use super::verdict::front;
 use crate::plot::{
     self,
     accuracy::{self as draw, Panel, Picture, Point},
+    pitch::{self, Curve},
 };
 use crate::run::files::{Error, whole};
 
-/// Writes accuracy.csv, .json, .md, .png and .svg into `out`.
+/// Writes accuracy.csv, .json, .md, .png and .svg into `out`, and pitch.png and .svg.
 pub(super) fn write(out: &Path, report: &Report) -> Result<(), Error> {
     let file = |name: &str, fill: &dyn Fn(&Path) -> io::Result<()>| {
         whole(&out.join(name), |path| {
@@ -31,7 +32,16 @@ pub(super) fn write(out: &Path, report: &Report) -> Result<(), Error> {
         whole(&out.join(name), |path| into(path, &picture).map_err(Error::Plot))
     };
     drawn("accuracy.png", draw::png)?;
-    drawn("accuracy.svg", draw::svg)
+    drawn("accuracy.svg", draw::svg)?;
+    let Some(statics) = &report.statics else {
+        return Ok(());
+    };
+    let curves = statics.curves();
+    let drawn = |name: &str, into: fn(&Path, &[Curve]) -> Result<(), plot::Error>| {
+        whole(&out.join(name), |path| into(path, &curves).map_err(Error::Plot))
+    };
+    drawn("pitch.png", pitch::png)?;
+    drawn("pitch.svg", pitch::svg)
 }
 
 fn csv(path: &Path, rows: &[Row]) -> io::Result<()> {
@@ -156,6 +166,7 @@ mod tests {
             row
         });
         Report {
+            statics: None,
             lattices: vec![Lattice::new(nodes, None, &rows)],
             rows: rows.to_vec(),
             ticks: 200,

@@ -6,6 +6,7 @@ use serde::Serialize;
 
 use super::case::{Case, Dial, RAMP_MS, TICKS, named};
 use super::measure::Measured;
+use super::statics::Statics;
 use super::verdict::{Setting, WANTED, cheapest, settings};
 
 /// One solver on one case.
@@ -96,6 +97,9 @@ pub struct Report {
     pub rows: Vec<Row>,
     /// The verdict on every lattice.
     pub lattices: Vec<Lattice>,
+    /// Errors of pitch and model, as keys `pitch` and `model`; neither where they were not wanted.
+    #[serde(flatten)]
+    pub statics: Option<Statics>,
     /// Length of a run [ticks].
     pub ticks: u32,
     /// Time in which a path reaches its full size [ms].
@@ -220,7 +224,8 @@ impl Display for Report {
         }
         writeln!(f, "\n![Error against time](accuracy.png)")?;
         method(f, self)?;
-        self.lattices.iter().try_for_each(|lattice| tables(f, lattice))
+        self.lattices.iter().try_for_each(|lattice| tables(f, lattice))?;
+        self.statics.iter().try_for_each(|statics| write!(f, "{statics}"))
     }
 }
 
