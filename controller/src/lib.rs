@@ -7,6 +7,7 @@
 
 pub mod coupling;
 pub mod device;
+pub mod effects;
 pub mod event;
 pub mod hash;
 pub mod lanes;

@@ -57,8 +57,8 @@ pub struct Params {
     pub scale: f32,
     /// Largest change a tick [N].
     pub slew: f32,
-    /// Cap of the passivity damping α [N·s/m]; 0 switches it off.
-    pub damping: f32,
+    /// Cap of the passivity damping α [N·s/m]; nothing is observed or damped without effect `passivity`.
+    pub damping: Option<f32>,
     /// Largest force [N].
     pub max: f32,
 }
@@ -70,10 +70,9 @@ impl Params {
         Self {
             scale: output.scale,
             slew: output.slew_n,
-            damping: if effects.has(Effect::Passivity) {
-                output.passivity_n_s_per_m
-            } else {
-                0.0
+            damping: match effects.has(Effect::Passivity) {
+                true => Some(output.passivity_n_s_per_m),
+                false => None,
             },
             max: limits(profile).max,
         }
@@ -87,9 +86,9 @@ pub struct State {
     pub sent: Vec3,
     /// The same without passivity damping [N]: the slew starts from here, so that damping ends with its tick.
     pub undamped: Vec3,
-    /// The tip at the last tick, device frame [m].
+    /// The tip at the last tick, device frame [m]; likewise.
     pub tip: Option<Vec3>,
-    /// Energy the rendering has absorbed E [J].
+    /// Energy the rendering has absorbed E [J]; observed with effect `passivity`.
     pub energy: f32,
 }
 
@@ -134,7 +133,7 @@ pub struct Record {
 /// Takes one tick's force through the edge.
 #[must_use]
 pub fn limit(params: &Params, state: &mut State, inputs: &Inputs) -> Record {
-    let travel = observe(state, inputs.tip);
+    let damper = params.damping.map(|most| damper(most, state, inputs.tip));
     let wanted = inputs.simulated * params.scale;
     let faults = inputs
         .faults
@@ -149,17 +148,35 @@ pub fn limit(params: &Params, state: &mut State, inputs: &Inputs) -> Record {
     }
     let (change, slewed) = shortened(wanted - state.undamped, params.slew);
     let steady = state.undamped + change;
-    let damping = damping(params, state.energy, travel);
     // Damping takes back what the rendering gave: without a force there is nothing to take, and a step of the encoders is no motion.
-    let (damped, _) = shortened(travel * (damping / DT), length(steady));
-    let (sent, saturated) = shortened(steady - damped, params.max);
+    let damped = damper.map_or(steady, |damper| steady - shortened(damper.against, length(steady)).0);
+    let (sent, saturated) = shortened(damped, params.max);
     (state.sent, state.undamped) = (sent, shortened(steady, params.max).0);
     Record {
         force: LimitedForce(sent),
         faults,
         slewed,
-        damping,
+        damping: damper.map_or(0.0, |damper| damper.damping),
         saturated,
+    }
+}
+
+/// Passivity damping in one tick.
+#[derive(Clone, Copy)]
+struct Damper {
+    /// α [N·s/m].
+    damping: f32,
+    /// α v, what it takes from the force [N].
+    against: Vec3,
+}
+
+/// Observes the energy and damps with no more than `most` [N·s/m].
+fn damper(most: f32, state: &mut State, tip: Vec3) -> Damper {
+    let travel = observe(state, tip);
+    let damping = damping(most, state.energy, travel);
+    Damper {
+        damping,
+        against: travel * (damping / DT),
     }
 }
 
@@ -180,11 +197,11 @@ fn observe(state: &mut State, tip: Vec3) -> Vec3 {
     way
 }
 
-/// α = −E / (T |v|²) within the cap, with v = `travel` / T; nothing at rest, where damping takes nothing back.
-fn damping(params: &Params, energy: f32, travel: Vec3) -> f32 {
+/// α = −E / (T |v|²) up to `most`, with v = `travel` / T; nothing at rest, where damping takes nothing back.
+fn damping(most: f32, energy: f32, travel: Vec3) -> f32 {
     let squared = travel.dot(&travel);
     if energy < 0.0 && squared > 0.0 {
-        (-energy * DT / squared).min(params.damping)
+        (-energy * DT / squared).min(most)
     } else {
         0.0
     }
@@ -213,7 +230,7 @@ mod tests {
     const EDGE: Params = Params {
         scale: 1.0,
         slew: 0.5,
-        damping: 0.0,
+        damping: None,
         max: 8.5,
     };
 
@@ -286,7 +303,7 @@ mod tests {
 
     #[test]
     fn whatever_comes_in_the_force_is_finite_limited_and_zero_when_it_must_be() {
-        for damping in [0.0, 5.0] {
+        for damping in [None, Some(5.0)] {
             let params = Params { damping, ..EDGE };
             let (mut draw, mut state) = (Draw(7), State::default());
             for _ in 0..200_000 {
@@ -378,7 +395,7 @@ mod tests {
         // damping that takes 2 mJ back in one tick is α = 2 mJ / (1 ms · 1 m²/s²) = 2 N·s/m.
         let params = Params {
             slew: 10.0,
-            damping: 5.0,
+            damping: Some(5.0),
             ..EDGE
         };
         let mut state = State::default();
@@ -392,7 +409,10 @@ mod tests {
         assert!((state.energy + 2e-3).abs() < 1e-9);
         assert!((record.damping - 2.0).abs() < 1e-5);
         assert!(length(record.force.get()) < 1e-5, "2 N less 2 N·s/m at 1 m/s");
-        let capped = Params { damping: 0.5, ..params };
+        let capped = Params {
+            damping: Some(0.5),
+            ..params
+        };
         let mut state = State::default();
         let _ = limit(&capped, &mut state, &push);
         assert!((limit(&capped, &mut state, &moved).damping - 0.5).abs() < 1e-7);
@@ -402,7 +422,7 @@ mod tests {
     fn damping_is_idle_at_rest_and_while_energy_is_absorbed() {
         let params = Params {
             slew: 10.0,
-            damping: 5.0,
+            damping: Some(5.0),
             ..EDGE
         };
         let mut state = State::default();

@@ -43,6 +43,9 @@ enum Command {
     },
     /// Shows the built-in scene.
     Scene(SceneArgs),
+    /// Ticks an uploaded scene, for whoever counts its instructions.
+    #[command(hide = true)]
+    Ticks(cli::ticks::TicksArgs),
 }
 
 // Each is a flag of the command line.
@@ -122,6 +125,7 @@ fn main() -> ExitCode {
         Some(Command::Moduli(args)) => cli::moduli::run(&args),
         Some(Command::Poke(args)) => cli::poke::run(&args),
         Some(Command::Study { study }) => cli::study::run(&study),
+        Some(Command::Ticks(args)) => cli::ticks::run(&args),
         Some(Command::Scene(_)) => {
             say(format_args!("{}", scene::BUILT_IN));
             ExitCode::SUCCESS

@@ -1,6 +1,7 @@
-//! Force over time as a picture: stages as bands, punctures marked (Lian & Chen Fig. 19); [`accuracy`], [`budget`], [`curve`] and [`pitch`].
+//! Force over time as a picture: stages as bands, punctures marked (Lian & Chen Fig. 19); and the studies' pictures.
 
 pub mod accuracy;
+pub mod bars;
 pub mod budget;
 pub mod curve;
 pub mod pitch;

@@ -4,7 +4,7 @@ pub mod embedded;
 pub mod files;
 pub mod log;
 pub mod report;
-mod solver;
+pub(crate) mod solver;
 
 use std::ops::ControlFlow;
 use std::path::PathBuf;
@@ -28,7 +28,7 @@ use report::{LinkCount, Report, TickTime, WoundGap};
 /// Longest run [ticks].
 pub const TICKS_MAX: u32 = 60_000;
 /// Ticks that a run goes on after its stitch is done, for the thread to be let go and the tissue to rest.
-const AFTER: u32 = 1_500;
+pub(crate) const AFTER: u32 = 1_500;
 
 /// Runs a scene; `progress` sees every tick, `interrupted` ends the run without a trace.
 ///
@@ -177,11 +177,8 @@ fn report(request: &Request, built: &build::Built, session: Session) -> Report {
             .iter()
             .map(|(name, voxels)| (name.clone(), (*voxels).into()))
             .collect(),
-        effects: Effect::ALL
-            .into_iter()
-            .filter(|&effect| built.scene.effects.has(effect))
-            .map(Effect::name)
-            .collect(),
+        effects: names(built, true),
+        effects_off: names(built, false),
         solver: built.scene.solver.to_string(),
         auto: None,
         ticks,
@@ -206,6 +203,14 @@ fn report(request: &Request, built: &build::Built, session: Session) -> Report {
         },
         out: request.out.display().to_string(),
     }
+}
+
+/// Effects of a scene that are on, or those that are off.
+fn names(built: &build::Built, on: bool) -> Vec<&'static str> {
+    let chosen = Effect::ALL
+        .into_iter()
+        .filter(|&effect| built.scene.effects.has(effect) == on);
+    chosen.map(Effect::name).collect()
 }
 
 /// What to run.

@@ -66,6 +66,8 @@ pub struct Work {
     /// Force of each node on the ground [N], after `settle`.
     pub reaction: [Vec3; NODES_MAX],
     nodes: [Place; NODES_MAX],
+    /// How far each node goes in this tick if nothing holds it [m].
+    glide: [Vec3; NODES_MAX],
     eyelet: Place,
     ends: Ends,
     reduced: Condensed,
@@ -80,6 +82,7 @@ impl Default for Work {
         Self {
             reaction: [Vec3::zeros(); NODES_MAX],
             nodes: [Place::default(); NODES_MAX],
+            glide: [Vec3::zeros(); NODES_MAX],
             eyelet: Place::default(),
             ends: Ends::default(),
             reduced: Condensed::default(),
@@ -176,6 +179,15 @@ pub fn settle(params: &Params, state: &mut State, work: &mut Work, moved: [Vec3;
 /// The first iterate is the thread as it was, points included: only from there is it known which node is before the eyelet
 /// and which has passed it.
 fn begin(params: &Params, state: &State, ends: &Ends, work: &mut Work) {
+    for (glide, velocity) in work.glide.iter_mut().zip(&state.velocity).take(params.nodes) {
+        *glide = velocity * params.coast;
+    }
+    if let Some(fall) = params.fall {
+        work.glide
+            .iter_mut()
+            .take(params.nodes)
+            .for_each(|glide| glide.z -= fall);
+    }
     work.ends = *ends;
     work.run = if ends.eyelet.is_some() { state.run } else { Run::Free };
     work.nodes = state.nodes;
@@ -222,6 +234,22 @@ fn iterate(params: &Params, work: &Work) -> [Vec3; 2] {
 
 /// Linearises at the iterate and eliminates the nodes; the result is about the iterate.
 fn eliminate(params: &Params, state: &State, work: &mut Work, slack: f32) -> Condensed {
+    match params.penalty {
+        Some(penalty) => forward(params, state, work, slack, |work, index, front| {
+            lie(penalty, work, index, front);
+        }),
+        None => forward(params, state, work, slack, |_, _, _| ()),
+    }
+}
+
+/// The same; `lie` adds to the front what the ground does to a node.
+fn forward(
+    params: &Params,
+    state: &State,
+    work: &mut Work,
+    slack: f32,
+    lie: impl Fn(&Work, usize, &mut Front),
+) -> Condensed {
     work.pieces = match work.run {
         Run::Free => None,
         Run::Sliding { link } | Run::Tied { link, .. } => Some(pieces(&work.nodes, params.nodes, link, &work.eyelet)),
@@ -234,6 +262,7 @@ fn eliminate(params: &Params, state: &State, work: &mut Work, slack: f32) -> Con
             break;
         }
         own(params, state, work, index, &mut front);
+        lie(work, index, &mut front);
         let link = if index < last {
             at(params, work, index, slack)
         } else {
@@ -254,28 +283,26 @@ fn eliminate(params: &Params, state: &State, work: &mut Work, slack: f32) -> Con
     }
 }
 
-/// Adds what acts on node `index` alone: inertia, weight, the swage, the ground.
+/// Adds what acts on node `index` alone: inertia, its weight in it, and the swage.
 fn own(params: &Params, state: &State, work: &Work, index: usize, front: &mut Front) {
-    let (Some(old), Some(velocity), Some(new), Some(touch)) = (
-        state.nodes.get(index),
-        state.velocity.get(index),
-        work.nodes.get(index),
-        work.touch.get(index),
-    ) else {
+    let (Some(old), Some(new), Some(glide)) = (state.nodes.get(index), work.nodes.get(index), work.glide.get(index))
+    else {
         return;
     };
-    let share = params.share(index);
-    let inertia = params.inertia * share;
+    let inertia = params.inertia * params.share(index);
     let mut diagonal = inertia;
-    front.force += (velocity * params.coast - old.to(new)) * inertia;
-    front.force.z -= params.weight * share;
+    front.force += (glide - old.to(new)) * inertia;
     if let (0, Some(swage)) = (index, work.ends.swage) {
         front.force += new.to(&Place::new(swage)) * params.coupling;
         diagonal += params.coupling;
     }
     front.block += Mat3::from_diagonal_element(diagonal);
-    if let (Some(penalty), Some(touch)) = (params.penalty, touch) {
-        let (force, block) = press(touch, penalty, new.fine);
+}
+
+/// Adds what the ground under node `index` does to it.
+fn lie(penalty: f32, work: &Work, index: usize, front: &mut Front) {
+    if let (Some(Some(touch)), Some(node)) = (work.touch.get(index), work.nodes.get(index)) {
+        let (force, block) = press(touch, penalty, node.fine);
         front.force += force;
         front.block += block;
     }

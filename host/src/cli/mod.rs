@@ -4,3 +4,4 @@ pub(crate) mod flags;
 pub(crate) mod moduli;
 pub(crate) mod poke;
 pub(crate) mod study;
+pub(crate) mod ticks;

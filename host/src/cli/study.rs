@@ -1,6 +1,7 @@
 //! The commands of `sutura study`, one file each.
 
 mod accuracy;
+mod effects;
 mod stability;
 
 use std::process::ExitCode;
@@ -13,6 +14,8 @@ pub(crate) enum Study {
     Accuracy(accuracy::AccuracyArgs),
     /// Tries hard cases under every solver and law, and says which of them come to rest.
     Stability(stability::StabilityArgs),
+    /// Measures what each effect of a scene costs, and how far force and wound move without it.
+    Effects(effects::EffectsArgs),
 }
 
 /// Studies.
@@ -20,5 +23,6 @@ pub(crate) fn run(study: &Study) -> ExitCode {
     match study {
         Study::Accuracy(args) => accuracy::run(args),
         Study::Stability(args) => stability::run(args),
+        Study::Effects(args) => effects::run(args),
     }
 }

@@ -3,6 +3,7 @@
 use std::fmt::{self, Display, Formatter};
 
 use serde::Serialize;
+use sutura_controller::effects::TABLE;
 
 use super::log::{Change, Peaks, Puncture, StageSpan};
 use crate::study::budget::Auto;
@@ -10,12 +11,13 @@ use crate::voxelize::Springs;
 
 impl Display for Report {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        self.manifest(f)?;
+        writeln!(f)?;
         writeln!(
             f,
-            "{} voxels, {} nodes, {} edge springs, {} body diagonals",
-            self.voxels, self.nodes, self.springs.edge, self.springs.body_diagonal
+            "{} voxels, {} nodes, {} edge springs, {} body diagonals; solver {}",
+            self.voxels, self.nodes, self.springs.edge, self.springs.body_diagonal, self.solver
         )?;
-        writeln!(f, "effects: {}; solver {}", self.effects.join(", "), self.solver)?;
         if let Some(auto) = &self.auto {
             writeln!(f, "the solver was chosen {auto}")?;
         }
@@ -71,6 +73,19 @@ impl Display for Report {
     }
 }
 
+impl Report {
+    /// What the scene simulates, and what it does not.
+    fn manifest(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        for row in TABLE.iter().filter(|row| self.effects.contains(&row.effect.name())) {
+            writeln!(f, "{:<15} {}", row.effect.name(), row.simulates)?;
+        }
+        if !self.effects_off.is_empty() {
+            writeln!(f, "not simulated:  {}", self.effects_off.join(", "))?;
+        }
+        Ok(())
+    }
+}
+
 /// The keys of `--json`.
 #[derive(Clone, Debug, Serialize)]
 pub struct Report {
@@ -86,6 +101,8 @@ pub struct Report {
     pub tissues: serde_json::Map<String, serde_json::Value>,
     /// Effects that were on.
     pub effects: Vec<&'static str>,
+    /// Effects that were off.
+    pub effects_off: Vec<&'static str>,
     /// How the tissue was advanced.
     pub solver: String,
     /// What it was chosen by, where a clock chose it.

@@ -15,7 +15,7 @@ use crate::study::budget::{Auto, Extent};
 use crate::study::method::{Method, NEAR, NotBuilt};
 
 /// The solver that a scene's setting comes to, and the record of a clock's choice.
-pub(super) fn settled(
+pub(crate) fn settled(
     setting: Setting<Solver>,
     (draft, built): (&Draft, &Built),
     level: Level,

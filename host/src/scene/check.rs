@@ -1,8 +1,10 @@
-//! From a scene file's keys to checked quantities in SI units: the only place that knows allowed ranges and which key needs which effect.
+//! From a scene file's keys to checked quantities in SI units, with their allowed ranges. Which keys need which effect, and what stands for them
+//! where they are left out, is in the controller's table of effects.
 
 mod tissue;
 mod tool;
 
+use sutura_controller::effects::{Key, TABLE, key};
 use sutura_shared::scene::{self, Effect, Effects, Solver};
 use toml::Spanned;
 
@@ -34,12 +36,8 @@ pub fn check(source: &Source, file: &File) -> Result<Plan, Error> {
             .transpose()?,
         tool: keys.tool(file)?,
         contact: keys.contact(file)?,
-        stitch: file
-            .stitch
-            .as_ref()
-            .map(|stitch| keys.stitch(stitch.get_ref(), file))
-            .transpose()?,
-        thread: file.thread.as_ref().map(|thread| keys.thread(thread)).transpose()?,
+        stitch: keys.stitch(file)?,
+        thread: keys.thread(file)?,
         output: keys.output(&file.output)?,
         profile: file.device.profile,
         hand: keys.hand(&file.hand)?,
@@ -65,17 +63,15 @@ fn effects(source: &Source, names: &[Spanned<String>]) -> Result<Effects, Error>
         }
         effects = effects.with(effect);
     }
-    for name in names {
-        let needs = match name.get_ref().as_str() {
-            "gravity" | "thread-contact" => Effect::Thread,
-            "thread" | "shaft-friction" => Effect::Puncture,
-            _ => continue,
-        };
-        if !effects.has(needs) {
+    for (row, name) in TABLE.iter().flat_map(|row| names.iter().map(move |name| (row, name))) {
+        if let Some(needed) = row
+            .needs
+            .filter(|&needed| row.effect.name() == name.get_ref() && !effects.has(needed))
+        {
             let what = format!(
                 "effects: `{}` changes nothing without effect `{}`",
                 name.get_ref(),
-                needs.name()
+                needed.name()
             );
             return Err(source.fault(name.span(), what));
         }
@@ -96,38 +92,36 @@ struct Keys<'a> {
 }
 
 impl Keys<'_> {
-    /// Sections that an effect or another section needs, or refuses.
+    /// Refuses sections of effects that are off, and effects whose sections are missing.
     fn sections(&self, file: &File) -> Result<(), Error> {
-        let pairs = [
-            ("stitch", Effect::Puncture, file.stitch.as_ref().map(Spanned::span)),
-            ("thread", Effect::Thread, file.thread.as_ref().map(Spanned::span)),
+        let spans = [
+            ("stitch", file.stitch.as_ref().map(Spanned::span)),
+            ("thread", file.thread.as_ref().map(Spanned::span)),
+            ("needle", file.needle.as_ref().map(Spanned::span)),
+            ("wound", file.wound.as_ref().map(Spanned::span)),
         ];
-        for (section, effect, span) in pairs {
-            match (self.effects.has(effect), span) {
-                (false, Some(span)) => return Err(self.needs(span, &format!("section [{section}]"), effect)),
-                (true, None) => return Err(self.lacks(&format!("section [{section}]"), effect)),
-                _ => {}
+        let span = |section: &str| spans.iter().find(|(name, _)| *name == section)?.1.clone();
+        for row in &TABLE {
+            if self.effects.has(row.effect) {
+                if let Some(missing) = row.asks.iter().find(|section| span(section).is_none()) {
+                    let what = format!("section [{missing}] is missing: effect {} needs it", row.effect.name());
+                    return Err(self.source.fault(0..0, what));
+                }
+            } else if let Some((section, span)) = row.section.and_then(|section| Some((section, span(section)?))) {
+                return Err(self.needs(span, &format!("section [{section}]"), row.effect));
             }
         }
-        let wounded = [Effect::Puncture, Effect::WoundContact];
-        match (
-            &file.wound,
-            wounded.into_iter().find(|&effect| self.effects.has(effect)),
-        ) {
-            (None, Some(effect)) => Err(self.lacks("section [wound]", effect)),
-            _ => Ok(()),
-        }
+        Ok(())
     }
 
     fn output(&self, output: &file::Output) -> Result<scene::Output, Error> {
-        let passivity = &output.passivity_n_s_per_m;
+        let passivity = output.passivity_n_s_per_m.as_ref();
         Ok(scene::Output {
             scale: self.source.number("output.scale", &output.scale, [0.01, 20.0])? as f32,
             slew_n: self
                 .source
                 .number("output.slew_n_per_tick", &output.slew_n_per_tick, [0.001, 0.5])? as f32,
-            passivity_n_s_per_m: self.gated("output.passivity_n_s_per_m", passivity, Effect::Passivity, [0.1, 50.0])?
-                as f32,
+            passivity_n_s_per_m: self.own(&key::PASSIVITY, passivity)? as f32,
         })
     }
 
@@ -145,14 +139,32 @@ impl Keys<'_> {
         })
     }
 
-    /// A number that must stand where `effect` is on and must not where it is off; 0 where it is off.
-    fn gated(&self, key: &str, value: &Option<Number>, effect: Effect, allowed: [f64; 2]) -> Result<f64, Error> {
-        match (self.effects.has(effect), value) {
-            (true, Some(value)) => self.source.number(key, value, allowed),
+    /// The number of an effect's key, or its default; 0 where the effect is off, and there the key must not stand.
+    fn own(&self, key: &Key, value: Option<&Number>) -> Result<f64, Error> {
+        self.own_within(key, value, key.range)
+    }
+
+    /// The same where the rest of the scene narrows the key's range.
+    fn own_within(&self, key: &Key, value: Option<&Number>, allowed: [f64; 2]) -> Result<f64, Error> {
+        match (self.effects.has(key.effect), value) {
+            (true, Some(value)) => self.source.number(key.name, value, allowed),
+            (true, None) => self.default(key, 0, allowed),
+            (false, Some(value)) => Err(self.needs(value.span(), &format!("key {}", key.name), key.effect)),
             (false, None) => Ok(0.0),
-            (false, Some(value)) => Err(self.needs(value.span(), &format!("key {key}"), effect)),
-            (true, None) => Err(self.lacks(&format!("key {key}"), effect)),
         }
+    }
+
+    /// The `index`th number of a key's default, if it is allowed here.
+    fn default(&self, key: &Key, index: usize, [low, high]: [f64; 2]) -> Result<f64, Error> {
+        let default = key.default.get(index).copied().unwrap_or_default();
+        if (low..=high).contains(&default) {
+            return Ok(default);
+        }
+        let what = format!(
+            "key {} is missing, and its default {default} is out of range here: {low} to {high}",
+            key.name
+        );
+        Err(self.source.fault(0..0, what))
     }
 
     fn needs(&self, at: std::ops::Range<usize>, what: &str, effect: Effect) -> Error {
@@ -163,11 +175,6 @@ impl Keys<'_> {
                 effect.name()
             ),
         )
-    }
-
-    fn lacks(&self, what: &str, effect: Effect) -> Error {
-        self.source
-            .fault(0..0, format!("{what} is missing: effect {} needs it", effect.name()))
     }
 }
 
@@ -407,7 +414,7 @@ mod tests {
     #[test]
     fn a_key_of_an_effect_that_is_off_is_refused() {
         let cases = [
-            ("\"stiffening\", ", "key breaks_percent needs effect stiffening"),
+            ("\"stiffening\", ", "key tissue.breaks_percent needs effect stiffening"),
             (
                 "\"spring-damping\", ",
                 "key patch.spring_damping_ms needs effect spring-damping",
@@ -441,11 +448,33 @@ mod tests {
     }
 
     #[test]
-    fn a_key_that_an_effect_needs_is_asked_for() {
-        let error = altered("penalty_n_per_m = 8000", "").unwrap_err();
-        assert!(
-            error.contains("key wound.penalty_n_per_m is missing: effect wound-contact needs it"),
-            "{error}"
-        );
+    fn a_default_that_does_not_fit_is_asked_for() {
+        // A half circle of 9 mm has R = 2.865 mm: punctures at 0.95 R from the middle, 2 mm of them in the gap, leave a bite of 0.72 mm.
+        let short = BUILT_IN
+            .replace("length_mm = 26 ", "length_mm = 9 ")
+            .replace("bite_mm = 4 ", "# ");
+        let source = Source {
+            name: "s.toml".into(),
+            text: short,
+        };
+        let error = check(&source, &source.parse().unwrap()).unwrap_err().to_string();
+        let what = "s.toml:1: key stitch.bite_mm is missing, and its default 4 is out of range here: 0.5 to 0.72";
+        assert!(error.starts_with(what), "{error}");
+    }
+
+    #[test]
+    fn a_section_that_an_effect_works_on_is_asked_for() {
+        let touch = include_str!("../../scenes/touch.toml");
+        for (name, missing) in [("puncture", "needle"), ("wound-contact", "wound")] {
+            let source = Source {
+                name: "s.toml".into(),
+                text: touch.replace("\"passivity\"", &format!("\"passivity\", \"{name}\"")),
+            };
+            let error = check(&source, &source.parse().unwrap()).unwrap_err().to_string();
+            assert_eq!(
+                error,
+                format!("s.toml:1: section [{missing}] is missing: effect {name} needs it")
+            );
+        }
     }
 }

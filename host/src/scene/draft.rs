@@ -8,9 +8,10 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 use serde::Deserialize;
-use sutura_shared::scene::Solver;
+use sutura_shared::scene::{Effect, Solver};
 use toml::Spanned;
 
+use super::file::File;
 use super::source::{Error, Source};
 use super::{BUILT_IN, Plan, check, replace_meshes};
 
@@ -70,7 +71,21 @@ impl Draft {
     /// # Errors
     /// Something in the file is wrong, or it has no such tissue: one line with file, line, key, value and what would be right.
     pub fn plan(&self) -> Result<Plan, Error> {
-        let mut plan = check::check(&self.source, &self.source.parse()?)?;
+        self.plan_with(&[])
+    }
+
+    /// The same with some effects more, their keys at their defaults.
+    ///
+    /// # Errors
+    /// Likewise, and the rest of the scene may not allow these effects.
+    pub fn plan_with(&self, more: &[Effect]) -> Result<Plan, Error> {
+        let mut file: File = self.source.parse()?;
+        for name in more.iter().map(|effect| effect.name()) {
+            if file.effects.iter().all(|known| known.get_ref() != name) {
+                file.effects.push(Spanned::new(0..0, name.to_owned()));
+            }
+        }
+        let mut plan = check::check(&self.source, &file)?;
         for mesh in plan.tissues.iter_mut().filter_map(|tissue| tissue.mesh.as_mut()) {
             mesh.path = self.folder.join(&mesh.path);
         }

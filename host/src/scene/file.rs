@@ -36,9 +36,9 @@ pub struct File {
     pub ball: Option<Spanned<Ball>>,
     /// How the tool meets the tissue.
     pub contact: Contact,
-    /// Where the wound is sewn, and against what force.
+    /// Where the wound is sewn, and against what force; may be left out.
     pub stitch: Option<Spanned<Stitch>>,
-    /// The suture thread.
+    /// The suture thread; may be left out.
     pub thread: Option<Spanned<Thread>>,
     /// What of the force reaches the device.
     pub output: Output,
@@ -171,36 +171,36 @@ pub struct Contact {
     pub kernel_mm: Number,
 }
 
-/// `[stitch]`
-#[derive(Clone, Debug, Deserialize)]
+/// `[stitch]`: effect `puncture`
+#[derive(Clone, Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Stitch {
     /// From the wound's edge to a puncture.
-    pub bite_mm: Number,
+    pub bite_mm: Option<Number>,
     /// Puncture force at the left and at the right site.
-    pub f0_n: [Number; 2],
+    pub f0_n: Option<[Number; 2]>,
     /// Depth under the right site at which the tip begins to lift the skin.
-    pub under_mm: Number,
+    pub under_mm: Option<Number>,
     /// Friction per length of shaft in the tissue; effect `shaft-friction`.
     pub friction_n_per_mm: Option<Number>,
     /// Force of the cutting tip; effect `shaft-friction`.
     pub cutting_n: Option<Number>,
 }
 
-/// `[thread]`
-#[derive(Clone, Debug, Deserialize)]
+/// `[thread]`: effect `thread`
+#[derive(Clone, Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Thread {
     /// Length.
-    pub length_mm: Number,
+    pub length_mm: Option<Number>,
     /// Length of one link.
-    pub link_mm: Number,
+    pub link_mm: Option<Number>,
     /// Axial stiffness EA.
-    pub axial_n: Number,
+    pub axial_n: Option<Number>,
     /// Mass per length.
-    pub mass_mg_per_m: Number,
+    pub mass_mg_per_m: Option<Number>,
     /// Damping over mass.
-    pub damping_per_s: Number,
+    pub damping_per_s: Option<Number>,
     /// Penalty stiffness on the skin; effect `thread-contact`.
     pub penalty_n_per_m: Option<Number>,
 }
@@ -260,12 +260,12 @@ pub struct Sew {
     pub drive_deg_per_s: Number,
     /// Turn of the needle while it comes out.
     pub exit_deg_per_s: Number,
-    /// Speed of the hand while the thread is slack.
-    pub pull_mm_per_s: Number,
-    /// Speed of the hand while the thread is taut.
-    pub tighten_mm_per_s: Number,
-    /// Tension at which the knot is laid.
-    pub tension_n: Number,
+    /// Speed of the hand while the thread is slack; effect `thread`.
+    pub pull_mm_per_s: Option<Number>,
+    /// Speed of the hand while the thread is taut; effect `thread`.
+    pub tighten_mm_per_s: Option<Number>,
+    /// Tension at which the knot is laid; effect `thread`.
+    pub tension_n: Option<Number>,
 }
 
 /// `[operator.touch]`

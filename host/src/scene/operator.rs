@@ -60,15 +60,7 @@ impl Sew {
         let driven = circle.grasp(entry + BEYOND / circle.radius);
         let out = circle.grasp(entry + TURN);
         let turn = |speed: f64, until| step(circle.turn(TURN), TURN / speed, until);
-        // The thread goes taut at about its own length from the exit, less the way between the punctures.
-        let away = Vector3::new(-0.6, 0.0, 0.8);
-        let exit = Vector3::new(place.half_m, 0.0, place.skin_m[1]);
-        let at = |beyond: f64| {
-            let way = place.thread_m - 2.0 * place.half_m + beyond;
-            Isometry3::from_parts(Translation3::from(exit + away * way), out.rotation)
-        };
-        let (taut, loose) = (at(0.0), at(-LOOSE));
-        let steps = [
+        let mut steps: Steps = [
             line(&start, &short, self.approach_m_per_s, Until::Elapsed),
             steady(
                 &short,
@@ -80,7 +72,30 @@ impl Sew {
             turn(self.drive_rad_per_s, Until::Stage(Stage::Exit)),
             turn(self.exit_rad_per_s, Until::Punctured(Site::Right)),
             turn(self.drive_rad_per_s, Until::Stage(Stage::PullThrough)),
-            steady(&out, &at(BEYOND_TAUT), self.pull_m_per_s, Until::Stage(Stage::Tension)),
+        ]
+        .into_iter()
+        .collect();
+        match &self.draw {
+            Some(draw) => steps.extend(draw.script(&out, place)),
+            None => steps.extend([step(Motion::Hold, 1.0, Until::Elapsed)]),
+        }
+        (start, steps)
+    }
+}
+
+impl Draw {
+    /// Steps from the needle's exit, at `out`, to the knot.
+    fn script(&self, out: &Isometry3<f64>, place: &Place) -> [Step; 6] {
+        // The thread goes taut at about its own length from the exit, less the way between the punctures.
+        let away = Vector3::new(-0.6, 0.0, 0.8);
+        let exit = Vector3::new(place.half_m, 0.0, place.skin_m[1]);
+        let at = |beyond: f64| {
+            let way = place.thread_m - 2.0 * place.half_m + beyond;
+            Isometry3::from_parts(Translation3::from(exit + away * way), out.rotation)
+        };
+        let (taut, loose) = (at(0.0), at(-LOOSE));
+        [
+            steady(out, &at(BEYOND_TAUT), self.pull_m_per_s, Until::Stage(Stage::Tension)),
             steady(
                 &taut,
                 &at(BEYOND_TAUT + TIGHTEN),
@@ -94,8 +109,7 @@ impl Sew {
             },
             step(Motion::Line { to: record(&loose) }, 0.6, Until::Elapsed),
             step(Motion::Hold, 1.0, Until::Elapsed),
-        ];
-        (start, steps.into_iter().collect())
+        ]
     }
 }
 
@@ -278,6 +292,13 @@ pub struct Sew {
     pub drive_rad_per_s: f64,
     /// Turn of the needle while it comes out [rad/s].
     pub exit_rad_per_s: f64,
+    /// How the thread is drawn and tied; nothing without one.
+    pub draw: Option<Draw>,
+}
+
+/// How a thread is drawn through the tissue and tied.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Draw {
     /// Speed while the thread is slack [m/s].
     pub pull_m_per_s: f64,
     /// Speed while the thread is taut [m/s].
@@ -308,9 +329,11 @@ mod tests {
         insert_m_per_s: 0.008,
         drive_rad_per_s: 1.3,
         exit_rad_per_s: 0.35,
-        pull_m_per_s: 0.07,
-        tighten_m_per_s: 0.012,
-        tension_n: 1.0,
+        draw: Some(Draw {
+            pull_m_per_s: 0.07,
+            tighten_m_per_s: 0.012,
+            tension_n: 1.0,
+        }),
     };
     const PLACE: Place = Place {
         skin_m: [0.0; 2],

@@ -8,6 +8,7 @@ pub mod block;
 pub mod budget;
 pub mod callgrind;
 pub mod double;
+pub mod effects;
 pub mod fem;
 pub mod limit;
 pub mod method;

@@ -8,7 +8,7 @@ use super::{Source, Violation, text};
 const FOLDER: &str = "controller/src/";
 
 /// The floors, from the bottom. Every module below [`FOLDER`] stands on one.
-const FLOORS: [&[&str]; 14] = [
+const FLOORS: [&[&str]; 15] = [
     // Plain arithmetic.
     &["math"],
     &["hash", "lanes"],
@@ -24,6 +24,8 @@ const FLOORS: [&[&str]; 14] = [
     &["solver"],
     // Behaviour: free functions (params, state, inputs) → record.
     &["needle", "thread", "tissue", "contact", "force", "safety"],
+    // What a scene may call for of all that, and what it takes.
+    &["effects"],
     // Read off all of them: where a stitch is.
     &["stage"],
     // What crosses the tick's edges, a limited force among it.

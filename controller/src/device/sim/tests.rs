@@ -50,7 +50,7 @@ fn nobody() -> scene::Hand {
 const OPEN: safety::Params = safety::Params {
     scale: 1.0,
     slew: 100.0,
-    damping: 0.0,
+    damping: None,
     max: 100.0,
 };
 
@@ -95,7 +95,7 @@ fn line(to: [f32; 3], ticks: u32) -> Step {
 const EDGE: safety::Params = safety::Params {
     scale: 1.0,
     slew: 0.5,
-    damping: 5.0,
+    damping: Some(5.0),
     max: 8.5,
 };
 

@@ -1,5 +1,6 @@
 //! The block of tissue: `[patch]`, `[[tissue]]`, `[wound]`.
 
+use sutura_controller::effects::key;
 use sutura_controller::lattice::CURVES;
 use sutura_shared::scene::{self, Assembly, Body, Effect, Law, NoLaw, SEGMENTS_MAX, Segment, TISSUES_MAX};
 use toml::Spanned;
@@ -15,12 +16,7 @@ impl Keys<'_> {
         let patch = &file.patch;
         let [x, y, z] = &patch.size_mm;
         let size = |value| self.source.number("patch.size_mm", value, [1.0, 1000.0]);
-        let beta = self.gated(
-            "patch.spring_damping_ms",
-            &patch.spring_damping_ms,
-            Effect::SpringDamping,
-            [0.01, 100.0],
-        )?;
+        let beta = self.own(&key::SPRING_DAMPING, patch.spring_damping_ms.as_ref())?;
         if let (None, None) = (&file.phantom, &patch.site_mm) {
             return Err(self.source.fault(
                 patch.pitch_mm.span(),
@@ -216,8 +212,9 @@ impl Keys<'_> {
         breaks: Option<&Spanned<Vec<Number>>>,
     ) -> Result<heapless::Vec<Segment, SEGMENTS_MAX>, Error> {
         if let (Some(breaks), false) = (breaks, self.effects.has(Effect::Stiffening)) {
-            return Err(self.needs(breaks.span(), "key breaks_percent", Effect::Stiffening));
+            return Err(self.needs(breaks.span(), &format!("key {}", key::BREAKS.name), Effect::Stiffening));
         }
+        let [first, most] = key::BREAKS.range;
         let wanted = breaks.map_or(0, |breaks| breaks.get_ref().len()) + 1;
         let count = slopes.get_ref().len();
         if count != wanted || count > SEGMENTS_MAX {
@@ -227,14 +224,14 @@ impl Keys<'_> {
             return Err(self.source.fault(slopes.span(), what));
         }
         let mut curve = heapless::Vec::new();
-        let mut low = [0.001, 0.0];
+        let mut low = [0.001, first];
         for (i, slope) in slopes.get_ref().iter().enumerate() {
             let slope_kpa = self.source.number("slopes_kpa", slope, [low[0], 1e5])?;
             let from = match i.checked_sub(1).and_then(|i| breaks?.get_ref().get(i)) {
-                Some(strain) => self.source.number("breaks_percent", strain, [low[1] + 0.1, 500.0])?,
+                Some(strain) => self.source.number(key::BREAKS.name, strain, [low[1], most])?,
                 None => 0.0,
             };
-            low = [slope_kpa, from];
+            low = [slope_kpa, from + first];
             let segment = Segment {
                 from_strain: (from * 1e-2) as f32,
                 slope_pa: (slope_kpa * 1e3) as f32,
@@ -266,12 +263,7 @@ impl Keys<'_> {
             depth_mm: self
                 .source
                 .number("wound.depth_mm", &wound.depth_mm, [pitch, z - pitch])?,
-            penalty_n_per_m: self.gated(
-                "wound.penalty_n_per_m",
-                &wound.penalty_n_per_m,
-                Effect::WoundContact,
-                [1.0, 1e5],
-            )? as f32,
+            penalty_n_per_m: self.own(&key::WOUND_PENALTY, wound.penalty_n_per_m.as_ref())? as f32,
         })
     }
 }

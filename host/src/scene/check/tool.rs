@@ -1,19 +1,18 @@
 //! What works on the tissue: `[needle]` or `[ball]`, `[contact]`, `[stitch]`, `[thread]`, `[operator]`.
 
+use sutura_controller::effects::key;
 use sutura_shared::scene::{self, Effect, KERNEL_PITCHES};
 use toml::Spanned;
 
 use super::{Keys, metres};
 use crate::scene::file::{self, File, Number};
-use crate::scene::operator::{Operator, Sew, Touch};
+use crate::scene::operator::{Draw, Operator, Sew, Touch};
 use crate::scene::plan::Stitch;
 use crate::scene::source::Error;
 
 /// Half the distance of the punctures over the needle's radius, at most: beyond it the needle meets the skin too flat.
 const WIDEST: f64 = 0.95;
 
-/// Shortest link of the controller's thread [mm]: its eyelet has room for one node at a time.
-const LINK_MM: f64 = 2.0;
 /// Fewest links of the controller's thread.
 const LINKS_MIN: f64 = 2.0;
 /// Most links of the controller's thread.
@@ -71,101 +70,97 @@ impl Keys<'_> {
         })
     }
 
-    pub(super) fn stitch(&self, stitch: &file::Stitch, file: &File) -> Result<Stitch, Error> {
+    /// The punctures; none without effect `puncture`.
+    pub(super) fn stitch(&self, file: &File) -> Result<Option<Stitch>, Error> {
+        let scene::Tool::Needle { radius_m, .. } = self.tool(file)? else {
+            return Ok(None);
+        };
+        if !self.effects.has(Effect::Puncture) {
+            return Ok(None);
+        }
+        let nothing = file::Stitch::default();
+        let stitch = file.stitch.as_ref().map_or(&nothing, Spanned::get_ref);
         let half_gap = file
             .wound
             .as_ref()
             .map_or(0.0, |wound| *wound.get_ref().gap_mm.get_ref() / 2.0);
         let inside = file.patch.size_mm[0].get_ref() / 2.0 - file.patch.pitch_mm.get_ref();
-        let reach = match self.tool(file)? {
-            scene::Tool::Needle { radius_m, .. } => f64::from(radius_m) * 1e3 * WIDEST,
-            scene::Tool::Ball { .. } => {
-                return Err(self
-                    .source
-                    .fault(0..0, "section [needle] is missing: [stitch] needs it"));
-            }
+        let reach = f64::from(radius_m) * 1e3 * WIDEST;
+        let [least, _] = key::BITE.range;
+        let bite = [least, reach.min(inside) - half_gap];
+        let f0 = |site: usize| match &stitch.f0_n {
+            Some(f0) => self.source.number(key::F0.name, &f0[site], key::F0.range),
+            None => self.default(&key::F0, site, key::F0.range),
         };
-        let [left, right] = &stitch.f0_n;
-        let f0 = |value| {
-            self.source
-                .number("stitch.f0_n", value, [0.05, 20.0])
-                .map(|f0| f0 as f32)
-        };
-        let friction = self.gated(
-            "stitch.friction_n_per_mm",
-            &stitch.friction_n_per_mm,
-            Effect::ShaftFriction,
-            [0.0, 1.0],
-        )?;
-        Ok(Stitch {
-            bite_mm: self
-                .source
-                .number("stitch.bite_mm", &stitch.bite_mm, [0.5, reach.min(inside) - half_gap])?,
-            f0_n: [f0(left)?, f0(right)?],
-            under_m: metres(self.source.number("stitch.under_mm", &stitch.under_mm, [0.1, 20.0])?),
+        let friction = self.own(&key::FRICTION, stitch.friction_n_per_mm.as_ref())?;
+        Ok(Some(Stitch {
+            bite_mm: self.own_within(&key::BITE, stitch.bite_mm.as_ref(), bite)?,
+            f0_n: [f0(0)? as f32, f0(1)? as f32],
+            under_m: metres(self.own(&key::UNDER, stitch.under_mm.as_ref())?),
             friction_n_per_m: (friction * 1e3) as f32,
-            cutting_n: self.gated("stitch.cutting_n", &stitch.cutting_n, Effect::ShaftFriction, [0.0, 5.0])? as f32,
-        })
+            cutting_n: self.own(&key::CUTTING, stitch.cutting_n.as_ref())? as f32,
+        }))
     }
 
-    pub(super) fn thread(&self, thread: &Spanned<file::Thread>) -> Result<scene::Thread, Error> {
-        let thread = thread.get_ref();
-        let link = self.source.number("thread.link_mm", &thread.link_mm, [LINK_MM, 20.0])?;
-        let length = self.source.number(
-            "thread.length_mm",
-            &thread.length_mm,
+    /// The thread; none without effect `thread`.
+    pub(super) fn thread(&self, file: &File) -> Result<Option<scene::Thread>, Error> {
+        if !self.effects.has(Effect::Thread) {
+            return Ok(None);
+        }
+        let nothing = file::Thread::default();
+        let thread = file.thread.as_ref().map_or(&nothing, Spanned::get_ref);
+        let link = self.own(&key::LINK, thread.link_mm.as_ref())?;
+        let length = self.own_within(
+            &key::LENGTH,
+            thread.length_mm.as_ref(),
             [LINKS_MIN * link, link * LINKS_MAX],
         )?;
-        let penalty = self.gated(
-            "thread.penalty_n_per_m",
-            &thread.penalty_n_per_m,
-            Effect::ThreadContact,
-            [1.0, 1e5],
-        )?;
+        let [shortest, _] = key::LINK.range;
         // Whole links, as near as may be to what is asked for.
-        let links = (length / link).round().min((length / LINK_MM + 1e-6).floor());
-        Ok(scene::Thread {
+        let links = (length / link).round().min((length / shortest + 1e-6).floor());
+        Ok(Some(scene::Thread {
             nodes: links as u16 + 1,
             link_m: metres(length / links),
-            axial_n: self.source.number("thread.axial_n", &thread.axial_n, [0.1, 1000.0])? as f32,
-            mass_kg_per_m: (self
-                .source
-                .number("thread.mass_mg_per_m", &thread.mass_mg_per_m, [1.0, 1e4])?
-                * 1e-6) as f32,
-            damping_per_s: self
-                .source
-                .number("thread.damping_per_s", &thread.damping_per_s, [0.0, 1000.0])?
-                as f32,
-            penalty_n_per_m: penalty as f32,
-        })
+            axial_n: self.own(&key::AXIAL, thread.axial_n.as_ref())? as f32,
+            mass_kg_per_m: (self.own(&key::MASS, thread.mass_mg_per_m.as_ref())? * 1e-6) as f32,
+            damping_per_s: self.own(&key::DAMPING, thread.damping_per_s.as_ref())? as f32,
+            penalty_n_per_m: self.own(&key::THREAD_PENALTY, thread.penalty_n_per_m.as_ref())? as f32,
+        }))
     }
+
     pub(super) fn operator(&self, file: &File) -> Result<Operator, Error> {
         let number =
             |key: &str, value: &Number, allowed| self.source.number(&format!("operator.{key}"), value, allowed);
         let operator = &file.operator;
-        match (operator.get_ref(), &file.needle, &file.stitch, &file.thread) {
-            (file::Operator::Sew(sew), Some(_), Some(_), Some(_)) => Ok(Operator::Sew(Sew {
+        let pierces = self.effects.has(Effect::Puncture);
+        match (operator.get_ref(), &file.ball) {
+            (file::Operator::Sew(sew), _) if pierces => Ok(Operator::Sew(Sew {
                 approach_m_per_s: number("sew.approach_mm_per_s", &sew.approach_mm_per_s, [1.0, 500.0])? * 1e-3,
                 insert_m_per_s: number("sew.insert_mm_per_s", &sew.insert_mm_per_s, [0.5, 100.0])? * 1e-3,
                 drive_rad_per_s: number("sew.drive_deg_per_s", &sew.drive_deg_per_s, [1.0, 360.0])?.to_radians(),
                 exit_rad_per_s: number("sew.exit_deg_per_s", &sew.exit_deg_per_s, [1.0, 360.0])?.to_radians(),
-                pull_m_per_s: number("sew.pull_mm_per_s", &sew.pull_mm_per_s, [1.0, 500.0])? * 1e-3,
-                tighten_m_per_s: number("sew.tighten_mm_per_s", &sew.tighten_mm_per_s, [0.5, 100.0])? * 1e-3,
-                tension_n: number("sew.tension_n", &sew.tension_n, [0.05, 10.0])?,
+                draw: self.draw(sew)?,
             })),
-            (file::Operator::Touch(touch), None, None, None) => Ok(Operator::Touch(Touch {
+            (file::Operator::Touch(touch), Some(_)) if !pierces => Ok(Operator::Touch(Touch {
                 approach_m_per_s: number("touch.approach_mm_per_s", &touch.approach_mm_per_s, [1.0, 500.0])? * 1e-3,
                 push_m_per_s: number("touch.push_mm_per_s", &touch.push_mm_per_s, [0.5, 100.0])? * 1e-3,
                 push_m: number("touch.push_mm", &touch.push_mm, [0.1, 20.0])? * 1e-3,
                 drag_m: number("touch.drag_mm", &touch.drag_mm, [0.0, 20.0])? * 1e-3,
             })),
-            (file::Operator::Sew(_), ..) => Err(self
+            (file::Operator::Sew(_), _) => Err(self.needs(operator.span(), "[operator.sew]", Effect::Puncture)),
+            (file::Operator::Touch(_), _) => Err(self
                 .source
-                .fault(operator.span(), "[operator.sew] needs [needle], [stitch] and [thread]")),
-            (file::Operator::Touch(_), ..) => Err(self.source.fault(
-                operator.span(),
-                "[operator.touch] needs [ball], and no [stitch] or [thread]",
-            )),
+                .fault(operator.span(), "[operator.touch] needs [ball], and no effect puncture")),
         }
+    }
+
+    /// What the hand does with a thread; nothing without effect `thread`.
+    fn draw(&self, sew: &file::Sew) -> Result<Option<Draw>, Error> {
+        let draw = Draw {
+            pull_m_per_s: self.own(&key::PULL, sew.pull_mm_per_s.as_ref())? * 1e-3,
+            tighten_m_per_s: self.own(&key::TIGHTEN, sew.tighten_mm_per_s.as_ref())? * 1e-3,
+            tension_n: self.own(&key::TENSION, sew.tension_n.as_ref())?,
+        };
+        Ok(Some(draw).filter(|_| self.effects.has(Effect::Thread)))
     }
 }

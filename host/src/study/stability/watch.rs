@@ -92,7 +92,7 @@ impl Watch {
         let rendered = output.rendered.get();
         // Passivity damping comes after the slew and ends with its tick, so it may come and go on top.
         let way = self.tip.map_or(0.0, |before| (output.position - before).norm());
-        let damped = self.edge.damping * (way + self.way) / DT;
+        let damped = self.edge.damping.unwrap_or(0.0) * (way + self.way) / DT;
         (self.tip, self.way) = (Some(output.position), way);
         self.moments.push(Moment {
             energy_j,
