@@ -24,8 +24,8 @@ pub struct Params {
     pub(super) inertia: f32,
     /// dt/(1 + α dt) [s]: velocity to the displacement of a free node in one tick.
     pub(super) coast: f32,
-    /// How far its weight takes a free node in one tick, g dt²/(1 + α dt) [m]; nothing without effect `gravity`.
-    pub(super) fall: Option<f32>,
+    /// Weight of an inner node [N]; nothing without effect `gravity`.
+    pub(super) weight: Option<f32>,
     /// Spring between N₀ and the swage [N/m].
     pub(super) coupling: f32,
     /// Penalty of Eq. 8 [N/m]; nothing without effect `thread-contact`.
@@ -110,7 +110,7 @@ pub fn build(thread: &scene::Thread, coupling_n_per_m: f32, effects: Effects) ->
         axial: thread.axial_n,
         inertia: mass * damped / (DT * DT),
         coast: DT / damped,
-        fall: effects.has(Effect::Gravity).then_some(GRAVITY * DT * DT / damped),
+        weight: effects.has(Effect::Gravity).then_some(mass * GRAVITY),
         coupling: coupling_n_per_m,
         penalty: effects.has(Effect::ThreadContact).then_some(thread.penalty_n_per_m),
     })

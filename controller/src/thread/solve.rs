@@ -66,8 +66,6 @@ pub struct Work {
     /// Force of each node on the ground [N], after `settle`.
     pub reaction: [Vec3; NODES_MAX],
     nodes: [Place; NODES_MAX],
-    /// How far each node goes in this tick if nothing holds it [m].
-    glide: [Vec3; NODES_MAX],
     eyelet: Place,
     ends: Ends,
     reduced: Condensed,
@@ -82,7 +80,6 @@ impl Default for Work {
         Self {
             reaction: [Vec3::zeros(); NODES_MAX],
             nodes: [Place::default(); NODES_MAX],
-            glide: [Vec3::zeros(); NODES_MAX],
             eyelet: Place::default(),
             ends: Ends::default(),
             reduced: Condensed::default(),
@@ -179,15 +176,6 @@ pub fn settle(params: &Params, state: &mut State, work: &mut Work, moved: [Vec3;
 /// The first iterate is the thread as it was, points included: only from there is it known which node is before the eyelet
 /// and which has passed it.
 fn begin(params: &Params, state: &State, ends: &Ends, work: &mut Work) {
-    for (glide, velocity) in work.glide.iter_mut().zip(&state.velocity).take(params.nodes) {
-        *glide = velocity * params.coast;
-    }
-    if let Some(fall) = params.fall {
-        work.glide
-            .iter_mut()
-            .take(params.nodes)
-            .for_each(|glide| glide.z -= fall);
-    }
     work.ends = *ends;
     work.run = if ends.eyelet.is_some() { state.run } else { Run::Free };
     work.nodes = state.nodes;
@@ -232,23 +220,26 @@ fn iterate(params: &Params, work: &Work) -> [Vec3; 2] {
     ]
 }
 
-/// Linearises at the iterate and eliminates the nodes; the result is about the iterate.
+/// Linearises at the iterate and eliminates the nodes; the result is about the iterate. An effect that is off has no part in the pass.
 fn eliminate(params: &Params, state: &State, work: &mut Work, slack: f32) -> Condensed {
-    match params.penalty {
-        Some(penalty) => forward(params, state, work, slack, |work, index, front| {
-            lie(penalty, work, index, front);
-        }),
-        None => forward(params, state, work, slack, |_, _, _| ()),
+    let (floats, hovers) = (|_: f32, _: &mut Front| (), |_: &Work, _: usize, _: &mut Front| ());
+    let weighs = |weight: f32| move |share: f32, front: &mut Front| front.force.z -= weight * share;
+    let lies = |penalty: f32| move |work: &Work, index: usize, front: &mut Front| lie(penalty, work, index, front);
+    match (params.weight, params.penalty) {
+        (None, None) => forward(params, state, work, slack, (floats, hovers)),
+        (None, Some(penalty)) => forward(params, state, work, slack, (floats, lies(penalty))),
+        (Some(weight), None) => forward(params, state, work, slack, (weighs(weight), hovers)),
+        (Some(weight), Some(penalty)) => forward(params, state, work, slack, (weighs(weight), lies(penalty))),
     }
 }
 
-/// The same; `lie` adds to the front what the ground does to a node.
+/// The same; `fall` adds the weight of a node with this share of mass to the front, and `lie` what the ground does to it.
 fn forward(
     params: &Params,
     state: &State,
     work: &mut Work,
     slack: f32,
-    lie: impl Fn(&Work, usize, &mut Front),
+    (fall, lie): (impl Fn(f32, &mut Front), impl Fn(&Work, usize, &mut Front)),
 ) -> Condensed {
     work.pieces = match work.run {
         Run::Free => None,
@@ -261,7 +252,7 @@ fn forward(
         if held {
             break;
         }
-        own(params, state, work, index, &mut front);
+        own(params, state, work, index, (&fall, &mut front));
         lie(work, index, &mut front);
         let link = if index < last {
             at(params, work, index, slack)
@@ -283,15 +274,24 @@ fn forward(
     }
 }
 
-/// Adds what acts on node `index` alone: inertia, its weight in it, and the swage.
-fn own(params: &Params, state: &State, work: &Work, index: usize, front: &mut Front) {
-    let (Some(old), Some(new), Some(glide)) = (state.nodes.get(index), work.nodes.get(index), work.glide.get(index))
+/// Adds what acts on node `index` alone: inertia, weight and the swage.
+fn own(
+    params: &Params,
+    state: &State,
+    work: &Work,
+    index: usize,
+    (fall, front): (impl Fn(f32, &mut Front), &mut Front),
+) {
+    let (Some(old), Some(velocity), Some(new)) =
+        (state.nodes.get(index), state.velocity.get(index), work.nodes.get(index))
     else {
         return;
     };
-    let inertia = params.inertia * params.share(index);
+    let share = params.share(index);
+    let inertia = params.inertia * share;
     let mut diagonal = inertia;
-    front.force += (glide - old.to(new)) * inertia;
+    front.force += (velocity * params.coast - old.to(new)) * inertia;
+    fall(share, front);
     if let (0, Some(swage)) = (index, work.ends.swage) {
         front.force += new.to(&Place::new(swage)) * params.coupling;
         diagonal += params.coupling;
