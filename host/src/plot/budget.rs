@@ -116,9 +116,9 @@ fn marks<DB: DrawingBackend>(chart: &mut Chart<'_, DB>, budget_us: f64, [times, 
     Ok(())
 }
 
-/// Text above a place, on one side of it.
-fn label(side: HPos) -> TextStyle<'static> {
-    (FONT, 24).into_font().color(&INK).pos(Pos::new(side, VPos::Bottom))
+/// Text whose place is at one side and end of it.
+fn label(side: HPos, end: VPos) -> TextStyle<'static> {
+    (FONT, 24).into_font().color(&INK).pos(Pos::new(side, end))
 }
 
 /// Least and largest time and error, with room for names.
