@@ -1,7 +1,7 @@
 //! What the pitch costs: the same body, tool and depth at several pitches against closed forms, and the order with which the error falls.
 //!
 //! The lattice at small strain and at rest, isotropic law, per-voxel assembly, in double precision, without the controller's capacity.
-//! A smooth rigid sphere and a flat punch on a half-space ([`halfspace`]), and a cantilever under a load on its end ([`beam`]).
+//! A smooth rigid sphere and a flat punch on a half-space, and a cantilever under a load on its end.
 //!
 //! What counts is the pitch over what has to be resolved: 3 to 12 voxels in the radius of the contact, or through the beam. A tool is a
 //! rule on nodes: the punch takes those within its radius, the sphere those that it would otherwise pass through; neither pulls. As a
