@@ -104,6 +104,7 @@ mod tests {
         Passage::Touch(Touch {
             point: Point::default(),
             from: Vec3::zeros(),
+            tip: Vec3::zeros(),
         })
     }
 

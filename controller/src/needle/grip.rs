@@ -64,7 +64,7 @@ pub fn couple<const N: usize>(
     for ((hold, (site, rubs)), slot) in holds.sites.iter_mut().zip(sites).zip([LEFT, RIGHT]) {
         *hold = match site {
             Passage::Ahead | Passage::Passed(_) => Hold::default(),
-            Passage::Touch(touch) => press(params, touch, arc, &before, tissue),
+            Passage::Touch(touch) => press(params, touch, arc.tip().0, tissue),
             Passage::Hole(hole) => guide(params, hole, (arc, rubs), &before, tissue),
         };
         if let Some(point) = site.point() {
@@ -91,15 +91,11 @@ fn shafts(state: &State, arc: &Arc) -> [f32; 2] {
     }
 }
 
-/// A spring K_c and a damper B_c between a place on the tool and the tissue point, all three axes.
-fn press<const N: usize>(params: &Params, touch: &Touch, arc: &Arc, before: &Pose, tissue: &Tissue<N>) -> Hold {
-    pull(
-        params,
-        arc.tip().0,
-        Mat3::identity(),
-        (arc, before),
-        (&touch.point, tissue),
-    )
+/// A spring K_c and a damper B_c between the tip and the tissue point, all three axes.
+fn press<const N: usize>(params: &Params, touch: &mut Touch, tip: Vec3, tissue: &Tissue<N>) -> Hold {
+    let way = tip - touch.tip;
+    touch.tip = tip;
+    pull(params, (tip, way), Mat3::identity(), (&touch.point, tissue))
 }
 
 /// A is kept on the arc across t; along t the shaft adheres until friction gives way (Hayward & Armstrong 2000).
@@ -112,13 +108,9 @@ fn guide<const N: usize>(
 ) -> Hold {
     let near = arc.nearest(hole.point.predicted(tissue));
     let along = near.tangent * near.tangent.transpose();
-    let mut hold = pull(
-        params,
-        near.point,
-        Mat3::identity() - along,
-        (arc, before),
-        (&hole.point, tissue),
-    );
+    let way = near.point - before.point(arc.pose.inverse().point(near.point));
+    let across = Mat3::identity() - along;
+    let mut hold = pull(params, (near.point, way), across, (&hole.point, tissue));
     let [per_length, cutting] = params.friction;
     let advancing = cuts && near.from_tip > hole.adhesion;
     let limit = per_length * shaft + if advancing { cutting } else { 0.0 };
@@ -135,16 +127,15 @@ fn guide<const N: usize>(
     hold
 }
 
+/// A spring K_c and a damper B_c between a `place` on the tool, which has come there by its `way` in this tick, and a tissue point.
 fn pull<const N: usize>(
     params: &Params,
-    place: Vec3,
+    (place, way): (Vec3, Vec3),
     across: Mat3,
-    (arc, before): (&Arc, &Pose),
     (point, tissue): (&Point, &Tissue<N>),
 ) -> Hold {
     let predicted = point.predicted(tissue);
-    let carried = before.point(arc.pose.inverse().point(place));
-    let motion = (place - carried) - (predicted - point.place(tissue));
+    let motion = way - (predicted - point.place(tissue));
     Hold {
         force: across * ((place - predicted) * params.stiffness + motion * params.rate),
         stiffness: across * (params.stiffness + params.rate),

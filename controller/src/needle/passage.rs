@@ -45,6 +45,8 @@ pub struct Touch {
     pub point: Point,
     /// Where the point was when the tip met it [m].
     pub from: Vec3,
+    /// Where the tip was at the end of the last tick, or when it met the point [m]: what it moved before is none of the point's.
+    pub tip: Vec3,
 }
 
 /// The needle passes through the skin.
@@ -94,7 +96,7 @@ pub fn detect<const N: usize>(params: &Params, state: &mut State, arc: &Arc, lat
         if point.kernel.is_empty() {
             return Passage::Ahead;
         }
-        Passage::Touch(Touch { point, from: tip })
+        Passage::Touch(Touch { point, from: tip, tip })
     };
     if let (Passage::Ahead, Some(surface)) = (state.left, surface)
         && tip.z < surface

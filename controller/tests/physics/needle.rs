@@ -126,6 +126,22 @@ fn the_skin_gives_way_at_f0() {
     assert!(puncture.depth > 0.0 && puncture.depth < 4e-3, "{} m", puncture.depth);
 }
 
+/// In the tick in which it meets the skin the tip has come most of its way through air: that must not throw the skin ahead of it.
+#[test]
+fn a_thrust_at_half_a_metre_a_second_goes_in() {
+    let mut drive = Drive::new(&[Effect::Puncture, Effect::Stiffening]);
+    let rate = 0.5 / RADIUS;
+    drive.angle = -1.0;
+    assert!(drive.turn(rate, in_hole));
+    let [puncture] = drive.punctures[..] else {
+        panic!("{:?}", drive.punctures)
+    };
+    // The coupling's spring is stretched by no more than the tip's way in a tick between one look at F0 and the next.
+    let most = F0[0] + drive.params.stiffness * 0.5e-3;
+    assert!((F0[0]..=most).contains(&puncture.force), "{} N", puncture.force);
+    assert!(puncture.depth < 4e-3, "{} m", puncture.depth);
+}
+
 #[test]
 fn a_needle_drawn_back_is_out_and_the_skin_is_free() {
     let mut drive = Drive::new(&[Effect::Puncture, Effect::ShaftFriction, Effect::Stiffening]);
