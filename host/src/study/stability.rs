@@ -11,6 +11,7 @@ mod files;
 pub mod inverted;
 pub mod judge;
 pub mod report;
+mod scenes;
 pub mod setting;
 pub mod watch;
 mod work;
@@ -43,7 +44,7 @@ pub struct Request {
 /// Every case, in the order of the table.
 #[must_use]
 pub fn cases() -> Vec<Case> {
-    blocks::cases()
+    blocks::cases().into_iter().chain(scenes::cases()).collect()
 }
 
 /// Tries; `progress` is told runs done and runs in all, `interrupted` ends the study without a trace.

@@ -165,8 +165,8 @@ impl Device for Simulated {
     }
 }
 
-/// One tick: the motors push with `force` [N] while the hand's target moves by `way` [m] from `from`.
-fn hold(hand: &hand::Params, arm: &mut dynamics::State, force: Vec3, from: Vec3, way: Vec3) {
+/// One tick: the motors push with `force` [N] while the hand's target moves by `way` [m] from `from`, all in the device's frame.
+pub fn hold(hand: &hand::Params, arm: &mut dynamics::State, force: Vec3, from: Vec3, way: Vec3) {
     for part in 1..=SUBSTEPS {
         let posture = Posture::at(arm.angle);
         let target = hand::Point {

@@ -80,7 +80,8 @@ impl<'a> Bench<'a> {
     /// # Errors
     /// [`Unfinished::Interrupted`].
     pub fn let_go(mut self, place: Vec3, ticks: u32) -> Result<Trace, Unfinished> {
-        self.watch.let_go(self.controller.lattice(), self.controller.tissue());
+        let state = (self.controller.lattice(), self.controller.tissue());
+        self.watch.let_go(state, 0.0);
         for _ in 0..ticks {
             self.tick(place)?;
         }

@@ -102,6 +102,9 @@ pub enum Unfinished {
     /// The scene.
     #[error("the controller refuses its scene: {0:?}")]
     Scene(ConfigError),
+    /// The piece of the built-in scene that the case is about.
+    #[error("{0}")]
+    Built(&'static str),
     /// Ctrl+C.
     #[error("interrupted")]
     Interrupted,

@@ -6,6 +6,9 @@
 //! 4. It never rises by more than a thousandth of that peak in a tick.
 //! 5. At the end every node is within 0.05 mm of rest; where the case has listed another equilibrium, the farthest node is as far as listed.
 //! 6. No voxel is inverted then.
+//! 7. Where there is a hand on the device: the rendering never gives it more than 1 mJ, and its force above 20 Hz in a hold stays below 0.05 N.
+//!
+//! The peak is that from when the input stops; where the tool has let go only then, that of the whole run.
 
 use super::case::Equilibrium;
 use super::watch::{Moment, Trace};
@@ -18,6 +21,10 @@ pub const LEFT: f64 = 0.01;
 pub const RISE: f64 = 1e-3;
 /// How far from rest a node may end [m].
 pub const NEAR_M: f64 = 5e-5;
+/// What the rendering may give the hand [J].
+pub const GIVEN_J: f64 = 1e-3;
+/// Force above 20 Hz in a hold [N].
+pub const BUZZ_N: f64 = 0.05;
 /// Stands for a ratio without a bound: what is not finite, or is there where nothing may be.
 pub const BOUNDLESS: f64 = 1e9;
 /// What rounding may carry a force across its bound by, over the bound.
@@ -50,6 +57,7 @@ pub fn judge(trace: &Trace, equilibrium: Option<&Equilibrium>) -> Verdict {
         rise(trace, equilibrium),
         rest(trace, equilibrium),
         upright(trace),
+        felt(trace),
     ];
     // The first of equals: what is not finite explains the rest.
     let worst = measures.into_iter().fold(Measure::default(), Measure::or_worse);
@@ -117,7 +125,7 @@ fn free(trace: &Trace, equilibrium: Option<&Equilibrium>) -> (Vec<f64>, f64) {
         .map_or(0.0, |last| last.energy_j);
     let after = trace.moments.iter().skip(trace.input);
     let energies: Vec<f64> = after.map(|moment| moment.energy_j - rest).collect();
-    let peak = energies.iter().copied().fold(0.0, f64::max);
+    let peak = energies.iter().copied().fold(trace.peak_j, f64::max);
     (energies, peak)
 }
 
@@ -166,6 +174,24 @@ fn upright(trace: &Trace) -> Measure {
         ratio: if trace.inverted > 0 { BOUNDLESS } else { 0.0 },
         text: format!("{} voxels end inverted", trace.inverted),
     }
+}
+
+fn felt(trace: &Trace) -> Measure {
+    let Some(felt) = trace.felt else {
+        return Measure::default();
+    };
+    let given = -felt.least_j;
+    let work = Measure {
+        ratio: over(given, GIVEN_J),
+        text: format!("the hand is given {given:.2e} J, of at most {GIVEN_J}"),
+    };
+    work.or_worse(Measure {
+        ratio: over(felt.buzz_n, BUZZ_N),
+        text: format!(
+            "force above 20 Hz is {:.4} N in a hold, of at most {BUZZ_N}",
+            felt.buzz_n
+        ),
+    })
 }
 
 /// `value` over `bound`, within 0 and [`BOUNDLESS`].

@@ -40,6 +40,19 @@ pub struct Trace {
     pub displacement_m: f64,
     /// Inverted voxels at the end.
     pub inverted: usize,
+    /// Energy that counts as its peak at least, from before the input stopped [J].
+    pub peak_j: f64,
+    /// What the hand felt, where there is one.
+    pub felt: Option<Felt>,
+}
+
+/// What a hand on the device felt.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Felt {
+    /// Least energy that the rendering had absorbed at any time, by the force really sent and the tip's real way [J]; below zero it gave.
+    pub least_j: f64,
+    /// Root mean square of the force above 20 Hz over a second of holding still or trembling, the worst [N].
+    pub buzz_n: f64,
 }
 
 /// A watch over one run.
@@ -108,10 +121,10 @@ impl Watch {
         self.rendered = rendered;
     }
 
-    /// The input stops here: what follows is the tissue's own. The state it leaves is a moment of its own.
-    pub fn let_go(&mut self, lattice: &Lattice<PC_NODES>, tissue: &Tissue<PC_NODES>) {
+    /// The input stops here: what follows is the tissue's own. The state it leaves, with what energy is held elsewhere [J], is a moment of its own.
+    pub fn let_go(&mut self, (lattice, tissue): (&Lattice<PC_NODES>, &Tissue<PC_NODES>), elsewhere_j: f64) {
         self.input = self.moments.len();
-        let energy_j = self.energy(lattice, tissue);
+        let energy_j = self.energy(lattice, tissue) + elsewhere_j;
         let rendered_n = f64::from(self.rendered.norm());
         self.moments.push(Moment {
             energy_j,
@@ -133,6 +146,8 @@ impl Watch {
             inverted: inverted(lattice, tissue, &self.cells),
             moments: self.moments,
             input: self.input,
+            peak_j: 0.0,
+            felt: None,
             largest_n: f64::from(self.edge.max),
         }
     }

@@ -1,0 +1,50 @@
+//! The needle's way: a turn about the centre of the circle through both punctures (Lian & Chen Fig. 11).
+
+use std::f32::consts::{FRAC_PI_2, PI};
+
+use sutura_controller::math::{Mat3, Pose, Vec3};
+use sutura_shared::scene::{Scene, Tool};
+
+/// The circle, patch frame; angles run from x towards z.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Circle {
+    centre: Vec3,
+    radius: f32,
+    /// From the grasp to the tip [rad].
+    ahead: f32,
+    /// Where the tip is at the left puncture [rad].
+    entry: f32,
+}
+
+impl Circle {
+    /// That of a scene's needle through its two punctures; skin is at z = 0.
+    pub(super) fn of(scene: &Scene) -> Self {
+        let half = scene.stitch.map_or(0.0, |stitch| -stitch.left_m[0]);
+        let (radius, length) = match scene.tool {
+            Tool::Needle { radius_m, length_m } => (radius_m, length_m),
+            Tool::Ball { radius_m } => (radius_m, 0.0),
+        };
+        Self {
+            centre: Vec3::z() * (radius * radius - half * half).max(0.0).sqrt(),
+            radius,
+            ahead: 2.0 / 3.0 * length / radius,
+            entry: PI + (half / radius).acos(),
+        }
+    }
+
+    /// Turn that takes the tip along by `way` [rad].
+    pub(super) fn turn(&self, way: f32) -> f32 {
+        way / self.radius
+    }
+
+    /// The needle with its tip `turned` beyond the left puncture [rad].
+    pub(super) fn at(&self, turned: f32) -> Pose {
+        let direction = |angle: f32| Vec3::new(angle.cos(), 0.0, angle.sin());
+        let grasp = self.entry + turned - self.ahead;
+        let (out, on) = (direction(grasp), direction(grasp + FRAC_PI_2));
+        Pose {
+            position: self.centre + out * self.radius,
+            rotation: Mat3::from_columns(&[out, on, -Vec3::y()]),
+        }
+    }
+}
