@@ -4,6 +4,7 @@ pub mod accuracy;
 pub mod bars;
 pub mod budget;
 pub mod curve;
+pub mod matrix;
 pub mod pitch;
 
 use std::path::Path;

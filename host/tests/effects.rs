@@ -176,7 +176,7 @@ fn functions_of_an_effect_that_is_off_are_not_entered() {
     }
     let (scene, cells) = stitch(SIZES[0]);
     let functions = [
-        (Effect::Thread, "*sutura_controller::thread::solve::*"),
+        (Effect::Thread, "*sutura_controller::thread::solve::condense*"),
         (Effect::ThreadContact, "*sutura_controller::tick::sewing::Skin*"),
     ];
     for (effect, function) in functions {

@@ -169,8 +169,7 @@ fn walk(name: &str, scene: &Table, chosen: impl Fn(&str) -> bool) {
 #[test]
 fn every_key_of_the_built_in_scene_acts() {
     let scene: Table = BUILT_IN.parse().unwrap();
-    // These have tests below: no other pitch fits this wound and the memory, the phantom is the same all along, its force is below every limit
-    // and gives out too little energy for damping to reach its cap.
+    // These have tests below: no other pitch fits, the phantom is the same all along, and its force and energy stay far from their limits.
     let elsewhere = [
         "patch.pitch_mm",
         "patch.along",

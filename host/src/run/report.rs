@@ -51,15 +51,7 @@ impl Display for Report {
                 "puncture {site}: {force_n:.3} N (F0 {f0_n:.3} N) after {depth_mm:.2} mm"
             )?;
         }
-        for Change { before, after } in &self.wound_gap_mm.at_stitch {
-            writeln!(f, "gap at the stitch: {before:.2} mm before, {after:.2} mm after")?;
-        }
-        if let Some(Change { before, after }) = &self.wound_gap_mm.mean {
-            writeln!(
-                f,
-                "gap over the wound's length: {before:.2} mm before, {after:.2} mm after"
-            )?;
-        }
+        self.gaps(f)?;
         if !self.faults.is_empty() {
             writeln!(f, "faults: {}", self.faults.join(", "))?;
         }
@@ -74,6 +66,20 @@ impl Display for Report {
 }
 
 impl Report {
+    /// The wound before and after.
+    fn gaps(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        for Change { before, after } in &self.wound_gap_mm.at_stitch {
+            writeln!(f, "gap at the stitch: {before:.2} mm before, {after:.2} mm after")?;
+        }
+        if let Some(Change { before, after }) = &self.wound_gap_mm.mean {
+            writeln!(
+                f,
+                "gap over the wound's length: {before:.2} mm before, {after:.2} mm after"
+            )?;
+        }
+        Ok(())
+    }
+
     /// What the scene simulates, and what it does not.
     fn manifest(&self, f: &mut Formatter<'_>) -> fmt::Result {
         for row in TABLE.iter().filter(|row| self.effects.contains(&row.effect.name())) {

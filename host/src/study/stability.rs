@@ -37,7 +37,7 @@ pub struct Request {
     pub solver: Option<Solver>,
     /// What the controller's passes run on.
     pub level: Level,
-    /// Folder for stability.csv, stability.json and stability.md.
+    /// Folder for stability.csv, .json, .md, .png and .svg.
     pub out: PathBuf,
 }
 

@@ -19,7 +19,7 @@ pub(crate) struct StabilityArgs {
     /// explicit[:substeps], be-pcg[:iterations[:newton]], be-chebyshev[:iterations] or vbd[:sweeps[:omega]]; without it every solver.
     #[arg(long)]
     solver: Option<Solver>,
-    /// Folder for stability.csv, stability.json and stability.md.
+    /// Folder for stability.csv, .json, .md, .png and .svg.
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
     /// Instructions to run on, instead of the best this processor has: off, sse2, avx2 or avx512. Results are the same.

@@ -27,6 +27,7 @@ pub struct Probe<'a> {
     ways: Vec<Way>,
     ticks: u32,
     model: Model,
+    substeps: Option<u16>,
     interrupted: &'a AtomicBool,
 }
 
@@ -47,6 +48,9 @@ impl<'a> Probe<'a> {
         level: Level,
         interrupted: &'a AtomicBool,
     ) -> Result<Self, Interrupted> {
+        // Of the tissue as it came: a node less to move has a fastest mode a little slower.
+        let explicit = Method::explicit(0).build(&block, level).ok();
+        let substeps = explicit.and_then(|(method, _)| method.explicit_substeps());
         block
             .lattice
             .free
@@ -59,6 +63,7 @@ impl<'a> Probe<'a> {
             ways: Vec::new(),
             ticks,
             model,
+            substeps,
             interrupted,
         };
         for &course in courses {
@@ -77,10 +82,8 @@ impl<'a> Probe<'a> {
 
     /// The fewest explicit substeps that are stable on this tissue.
     #[must_use]
-    pub fn substeps(&self) -> Option<u16> {
-        let Poke { block, level, .. } = &self.ways.first()?.poke;
-        let (method, _) = Method::explicit(0).build(block, *level).ok()?;
-        method.explicit_substeps()
+    pub const fn substeps(&self) -> Option<u16> {
+        self.substeps
     }
 
     /// Error of a solver's force, as of [`super::Row::force_error`]; `None` where it is no number.

@@ -7,9 +7,10 @@ use std::path::Path;
 use super::case::Case;
 use super::report::{Report, Row};
 use super::setting::{SOLVERS, SPRINGS, Setting};
+use crate::plot::matrix::{Matrix, Outcome, matrix};
 use crate::run::files::{Error, whole};
 
-/// Writes stability.csv, stability.json and stability.md into `out`.
+/// Writes stability.csv, .json, .md, .png and .svg into `out`.
 pub(super) fn write(out: &Path, cases: &[Case], report: &Report) -> Result<(), Error> {
     let put = |name: &str, fill: &dyn Fn(&mut dyn Write) -> io::Result<()>| {
         let path = out.join(name);
@@ -32,7 +33,12 @@ pub(super) fn write(out: &Path, cases: &[Case], report: &Report) -> Result<(), E
     })?;
     put("stability.md", &|file| {
         file.write_all(markdown(cases, report).as_bytes())
-    })
+    })?;
+    let table = picture(cases, report);
+    for name in ["stability.png", "stability.svg"] {
+        whole(&out.join(name), |path| matrix(path, &table).map_err(Error::Plot))?;
+    }
+    Ok(())
 }
 
 fn csv(file: &mut dyn Write, report: &Report) -> io::Result<()> {
@@ -52,36 +58,86 @@ fn csv(file: &mut dyn Write, report: &Report) -> io::Result<()> {
     Ok(())
 }
 
-/// Cases down, solvers across with the default law; then laws across with the default solver.
-fn markdown(cases: &[Case], report: &Report) -> String {
+/// Columns that have the default solver or the default law in common.
+struct Group {
+    /// What they have in common.
+    title: String,
+    /// Their heads.
+    heads: Vec<String>,
+    /// Solver and law of each.
+    settings: Vec<[String; 2]>,
+}
+
+/// Solvers across with the default law; then laws across with the default solver.
+fn groups(report: &Report) -> Vec<Group> {
     let Setting { solver, springs } = Setting::DEFAULT;
-    let (mut text, mut notes) = (String::new(), Vec::new());
+    let (solver, law) = (solver.to_string(), springs.to_string());
     let solvers = names(report, SOLVERS.map(|solver| solver.to_string()), |row| &row.solver);
     let laws = names(report, SPRINGS.map(|springs| springs.to_string()), |row| &row.law);
-    let (solver, law) = (solver.to_string(), springs.to_string());
-    let pairs = solvers.iter().map(|solver| [solver.as_str(), &law]);
-    let _ = writeln!(text, "Law {law}, by solver:\n");
-    table(
-        &mut text,
-        &mut notes,
-        (cases, report),
-        (&solvers, &pairs.collect::<Vec<_>>()),
-    );
-    if solvers.contains(&solver) {
-        let pairs = laws.iter().map(|law| [&solver, law.as_str()]);
-        let _ = writeln!(text, "\nSolver {solver}, by law:\n");
-        table(
-            &mut text,
-            &mut notes,
-            (cases, report),
-            (&laws, &pairs.collect::<Vec<_>>()),
-        );
+    let by_solver = Group {
+        title: format!("law {law}, by solver"),
+        settings: solvers.iter().map(|solver| [solver.clone(), law.clone()]).collect(),
+        heads: solvers,
+    };
+    // One solver that was asked for is the one whose laws are shown.
+    let one = match by_solver.heads.as_slice() {
+        [only] => only.clone(),
+        _ => solver,
+    };
+    let by_law = Group {
+        title: format!("solver {one}, by law"),
+        settings: laws.iter().map(|law| [one.clone(), law.clone()]).collect(),
+        heads: laws,
+    };
+    vec![by_solver, by_law]
+}
+
+fn markdown(cases: &[Case], report: &Report) -> String {
+    let (mut text, mut notes) = (String::new(), Vec::new());
+    for Group { title, heads, settings } in groups(report) {
+        let _ = writeln!(text, "{title}:\n");
+        let _ = writeln!(text, "| case | what happens | {} |", heads.join(" | "));
+        let _ = writeln!(text, "|---|---|{}", "---|".repeat(heads.len()));
+        for case in cases {
+            let _ = write!(text, "| {} | {} |", case.name, case.what);
+            for setting in &settings {
+                let _ = write!(text, " {} |", mark(found(report, case, setting), &mut notes));
+            }
+            text.push('\n');
+        }
+        text.push('\n');
     }
-    text.push('\n');
     for (n, note) in (1..).zip(&notes) {
         let _ = writeln!(text, "{n}. {note}");
     }
     text
+}
+
+/// The row of a case under a setting.
+fn found<'a>(report: &'a Report, case: &Case, [solver, law]: &[String; 2]) -> Option<&'a Row> {
+    let rows = report.rows.iter();
+    rows.into_iter()
+        .find(|row| row.case == case.name && row.solver == *solver && row.law == *law)
+}
+
+/// The same as a picture.
+fn picture(cases: &[Case], report: &Report) -> Matrix {
+    let groups = groups(report);
+    let outcome = |row: Option<&Row>| match row {
+        None => Outcome::Untried,
+        Some(row) if row.passed => Outcome::Passed,
+        Some(row) if row.refused => Outcome::Refused,
+        Some(_) => Outcome::Failed,
+    };
+    let across = |case: &Case| -> Vec<_> {
+        let settings = groups.iter().flat_map(|group| &group.settings);
+        settings.map(|setting| outcome(found(report, case, setting))).collect()
+    };
+    Matrix {
+        title: "Hard cases: does the tissue come to rest, without gaining energy on the way?".to_owned(),
+        rows: cases.iter().map(|case| (case.name.clone(), across(case))).collect(),
+        groups: groups.into_iter().map(|group| (group.title, group.heads)).collect(),
+    }
 }
 
 /// The names among `order` that the rows have, and then any other.
@@ -96,25 +152,6 @@ fn names<const N: usize>(report: &Report, order: [String; N], of: fn(&Row) -> &S
         }
     }
     names
-}
-
-/// One table; `across` are the columns' heads, and the solver and law of each.
-fn table(
-    text: &mut String,
-    notes: &mut Vec<String>,
-    (cases, report): (&[Case], &Report),
-    (heads, across): (&[String], &[[&str; 2]]),
-) {
-    let _ = writeln!(text, "| case | what happens | {} |", heads.join(" | "));
-    let _ = writeln!(text, "|---|---|{}", "---|".repeat(heads.len()));
-    for case in cases {
-        let _ = write!(text, "| {} | {} |", case.name, case.what);
-        for [solver, law] in across {
-            let found = |row: &&Row| row.case == case.name && row.solver == *solver && row.law == *law;
-            let _ = write!(text, " {} |", mark(report.rows.iter().find(found), notes));
-        }
-        text.push('\n');
-    }
 }
 
 /// A row's cell; why it fails goes to the notes.

@@ -172,7 +172,11 @@ fn rest(trace: &Trace, equilibrium: Option<&Equilibrium>) -> Measure {
 fn upright(trace: &Trace) -> Measure {
     Measure {
         ratio: if trace.inverted > 0 { BOUNDLESS } else { 0.0 },
-        text: format!("{} voxels end inverted", trace.inverted),
+        text: format!(
+            "{} voxels end inverted, a node {:.2e} mm from rest",
+            trace.inverted,
+            trace.displacement_m * 1e3
+        ),
     }
 }
 
