@@ -7,7 +7,7 @@
 //! has no such bound, since springs that stiffen in one direction leave it.
 
 use super::points::Points;
-use super::step::{add_step, predict_step, take_step};
+use super::step::{PREDICTED, TAKEN, add_step, predict_step, restrain, take_step};
 use super::sweep::{Pass, sweep};
 use super::symmetric::Symmetric;
 use super::{Problem, Solver, Work, assembly, operator, spectrum, symmetric, volume};
@@ -70,6 +70,16 @@ impl BeChebyshev {
         let n = problem.lattice.len();
         predict_step(lanes, n, tissue, work);
         let predicted = problem.coupling.gather(&work.step);
+        restrain(lanes, problem.lattice, PREDICTED, work);
+        let started = problem.coupling.gather(&work.step);
+        // The coupling is stated at the predicted place.
+        let mut coupling = *problem.coupling;
+        let given = coupling.product(&core::array::from_fn(|p| started[p] - predicted[p]));
+        coupling.force.iter_mut().zip(&given).for_each(|(f, g)| *f -= g);
+        let problem = &Problem {
+            coupling: &coupling,
+            ..*problem
+        };
         assembly::linearise_blocks(lanes, problem, load, tissue, work);
         let points = Points::new(problem.coupling, &work.inverse_block);
         let (middle, half) = (0.5 * (HIGHEST + self.lowest), 0.5 * (HIGHEST - self.lowest));
@@ -95,6 +105,7 @@ impl BeChebyshev {
             correct(points.as_ref(), turn, work);
         }
         add_step(lanes, n, &mut work.step, &work.search);
+        restrain(lanes, problem.lattice, TAKEN, work);
         let reached = problem.coupling.gather(&work.step);
         take_step(lanes, n, tissue, work);
         core::array::from_fn(|p| reached[p] - predicted[p])

@@ -2,7 +2,7 @@
 
 use super::operator;
 use super::points::Points;
-use super::step::{add_step, predict_step, take_step};
+use super::step::{PREDICTED, TAKEN, add_step, predict_step, restrain, take_step};
 use super::{Problem, Solver, Work, assembly};
 use crate::coupling::POINTS;
 use crate::lanes::{Lanes, blocks, run_on};
@@ -46,7 +46,10 @@ impl BePcg {
     ) -> [Vec3; POINTS] {
         let n = problem.lattice.len();
         predict_step(lanes, n, tissue, work);
-        let mut moved = [Vec3::zeros(); POINTS];
+        let predicted = problem.coupling.gather(&work.step);
+        restrain(lanes, problem.lattice, PREDICTED, work);
+        let started = problem.coupling.gather(&work.step);
+        let mut moved: [Vec3; POINTS] = core::array::from_fn(|p| started[p] - predicted[p]);
         for round in 1..=self.newton {
             // The coupling is stated at the predicted place; what the points have moved since changes its force.
             let mut coupling = *problem.coupling;
@@ -66,8 +69,11 @@ impl BePcg {
             moved.iter_mut().zip(&further).for_each(|(m, f)| *m += f);
             add_step(lanes, n, &mut work.step, &work.solution);
         }
+        let whole = problem.coupling.gather(&work.step);
+        restrain(lanes, problem.lattice, TAKEN, work);
+        let taken = problem.coupling.gather(&work.step);
         take_step(lanes, n, tissue, work);
-        moved
+        core::array::from_fn(|p| moved[p] + (taken[p] - whole[p]))
     }
 }
 

@@ -8,7 +8,7 @@
 use super::assembly::{Tangent, advance_place, axial, inertial, tangent};
 use super::points::Points;
 use super::spring::{rest_length, steepest};
-use super::step::{predict_step, take_step};
+use super::step::{PREDICTED, TAKEN, predict_step, restrain, take_step};
 use super::sweep::{Pass, sweep};
 use super::symmetric::{SYMMETRIC, Symmetric};
 use super::{Problem, Solver, Work, symmetric, volume};
@@ -54,8 +54,9 @@ impl Vbd {
     ) -> [Vec3; POINTS] {
         let n = problem.lattice.len();
         predict_step(lanes, n, tissue, work);
-        advance_place(lanes, n, tissue, work);
         let predicted = problem.coupling.gather(&work.step);
+        restrain(lanes, problem.lattice, PREDICTED, work);
+        advance_place(lanes, n, tissue, work);
         begin(lanes, problem, load, work);
         let mut points = [None, None];
         for sweep in 0..self.sweeps {
@@ -72,6 +73,7 @@ impl Vbd {
                 }
             }
         }
+        restrain(lanes, problem.lattice, TAKEN, work);
         let reached = problem.coupling.gather(&work.step);
         take_step(lanes, n, tissue, work);
         core::array::from_fn(|p| reached[p] - predicted[p])
