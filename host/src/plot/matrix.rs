@@ -94,7 +94,8 @@ fn draw<B: DrawingBackend>(
     let mut column = 0;
     for (group, (title, names)) in (1..).zip(&matrix.groups) {
         let begin = LEFT + group * MARGIN + column as i32 * wide;
-        root.draw(&Text::new(title.clone(), (begin, 2 * MARGIN + 24), text(22)))?;
+        // Each on a line of its own: a group may be narrower than its title.
+        root.draw(&Text::new(title.clone(), (begin, 2 * MARGIN + 24 * group), text(22)))?;
         for (n, name) in (0..).zip(names) {
             let left = begin + n * wide;
             let upright = text(18)
