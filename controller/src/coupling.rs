@@ -123,6 +123,22 @@ impl Coupling {
         }
     }
 
+    /// Force on the points that have moved by `u` from their predicted places, F − S·u [N].
+    #[must_use]
+    pub fn at(&self, u: &[Vec3; POINTS]) -> [Vec3; POINTS] {
+        let given = self.product(u);
+        core::array::from_fn(|p| self.force[p] - given[p])
+    }
+
+    /// The same with displacements counted from `u`.
+    #[must_use]
+    pub fn about(&self, u: &[Vec3; POINTS]) -> Self {
+        Self {
+            force: self.at(u),
+            ..*self
+        }
+    }
+
     /// S·u.
     #[must_use]
     pub fn product(&self, u: &[Vec3; POINTS]) -> [Vec3; POINTS] {

@@ -71,6 +71,20 @@ pub struct Tissue<const N: usize> {
     pub displacement: Field<N>,
     /// Velocity [m/s].
     pub velocity: Field<N>,
+    /// What the last tick leaves for the next one's balance of energy.
+    pub balance: Balance,
+}
+
+/// What a tick leaves for the next one's balance of energy; all zeros is valid in any state.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Zeroable)]
+#[repr(C)]
+pub struct Balance {
+    /// Elastic energy of springs and voxels [J].
+    pub elastic: f32,
+    /// 1 where `elastic` is that of the present displacement, 0 where it has to be found.
+    pub known: u32,
+    /// How much shorter than solved for the next step is, since one before it gained energy: 1/(1 + this) of it.
+    pub caution: f32,
 }
 
 impl<const N: usize> Lattice<N> {

@@ -11,7 +11,7 @@ use crate::coupling::{Coupling, RIGHT, TAIL};
 use crate::event::{Fault, Faults};
 use crate::hash::Hasher;
 use crate::lanes::Level;
-use crate::lattice::{Field, Lattice, Tissue};
+use crate::lattice::{Balance, Field, Lattice, Tissue};
 use crate::math::{Pose, Vec3, finite, length};
 use crate::needle::{self, Arc, Passage};
 use crate::record::{Output, Sample};
@@ -88,6 +88,7 @@ impl<'m, const N: usize> Controller<'m, N> {
         for field in [&mut tissue.displacement, &mut tissue.velocity, load] {
             field.iter_mut().for_each(|c| c.fill(0.0));
         }
+        tissue.balance = Balance::default();
         work.clear();
         let alone = Problem {
             lattice,
@@ -111,6 +112,7 @@ impl<'m, const N: usize> Controller<'m, N> {
 
     /// The patch and its state, for studies that begin elsewhere than at rest, or hold what the scene does not.
     pub const fn patch_mut(&mut self) -> (&mut Lattice<N>, &mut Tissue<N>) {
+        self.memory.tissue.balance.known = 0;
         (&mut self.memory.lattice, &mut self.memory.tissue)
     }
 
@@ -190,6 +192,7 @@ impl<'m, const N: usize> Controller<'m, N> {
                 hasher.vector(crate::lattice::at(field, node));
             }
         }
+        hasher.vector(Vec3::new(tissue.balance.caution, 0.0, 0.0));
         for site in [&state.needle.left, &state.needle.right] {
             if let Some(point) = site.point() {
                 hasher.vector(point.rest);
