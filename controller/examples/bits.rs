@@ -7,7 +7,7 @@ use sutura_controller::coupling::{Coupling, Kernel, LEFT};
 use sutura_controller::hash::Hasher;
 use sutura_controller::lanes::Level;
 use sutura_controller::lattice::{Field, Lattice, STEPS, Tissue, at};
-use sutura_controller::law::{Curve, Material, Stiffness, stiffness};
+use sutura_controller::law::{BARRIER, Curve, Material, Stiffness, stiffness};
 use sutura_controller::math::{Mat3, Vec3};
 use sutura_controller::solver::{Choice, Problem, Solver, Work};
 use sutura_shared::scene::{self, Law, Segment};
@@ -134,7 +134,7 @@ fn block(stiffness: Stiffness) -> Box<Lattice<N>> {
         }
         if (0..3).all(|axis| node[axis] + 1 < NODES[axis]) {
             lattice.volume[index] = stiffness.volume * YOUNG;
-            lattice.barrier[index] = stiffness.barrier * YOUNG;
+            lattice.barrier[index] = BARRIER * YOUNG;
         }
     }
     lattice

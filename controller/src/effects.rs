@@ -107,6 +107,7 @@ pub const fn row(effect: Effect) -> &'static Row {
         thread_contact,
         wound_contact,
         passivity,
+        barrier,
     ] = &TABLE;
     match effect {
         Effect::Gravity => gravity,
@@ -118,11 +119,12 @@ pub const fn row(effect: Effect) -> &'static Row {
         Effect::ThreadContact => thread_contact,
         Effect::WoundContact => wound_contact,
         Effect::Passivity => passivity,
+        Effect::Barrier => barrier,
     }
 }
 
 /// Every effect, in the order of [`Effect::ALL`].
-pub const TABLE: [Row; 9] = [
+pub const TABLE: [Row; 10] = [
     Row {
         effect: Effect::Gravity,
         simulates: "the thread's weight",
@@ -240,7 +242,22 @@ pub const TABLE: [Row; 9] = [
         section: None,
         keys: &[key::PASSIVITY],
     },
+    Row {
+        effect: Effect::Barrier,
+        simulates: "voxels that are pressed flat push back, and none stays inside out",
+        parts: &[Part::Deform],
+        state: "the barrier of each voxel, and its part of the operator",
+        bytes: 0,
+        bytes_per_node: BARRIER_FIELDS * size_of::<f32>(),
+        needs: None,
+        asks: &[],
+        section: None,
+        keys: &[],
+    },
 ];
+
+/// Numbers of a voxel: its barrier, the slopes of its volume along three mean edges, its pressure.
+const BARRIER_FIELDS: usize = 1 + 3 * 3 + 1;
 
 /// The ground under each node of a thread, and the node's force on it.
 const LYING: usize = NODES_MAX * (size_of::<Option<Touch>>() + size_of::<Vec3>());

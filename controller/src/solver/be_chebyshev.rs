@@ -73,7 +73,9 @@ impl BeChebyshev {
         restrain(lanes, problem.lattice, (1.0, PREDICTED), work);
         let started = problem.coupling.gather(&work.step);
         // The coupling is stated at the predicted place.
-        let coupling = problem.coupling.about(&core::array::from_fn(|p| started[p] - predicted[p]));
+        let coupling = problem
+            .coupling
+            .about(&core::array::from_fn(|p| started[p] - predicted[p]));
         let now = &Problem {
             coupling: &coupling,
             ..*problem

@@ -2,7 +2,7 @@
 
 use sutura_controller::coupling::{Coupling, Kernel, LEFT, POINTS};
 use sutura_controller::lanes::Level;
-use sutura_controller::lattice::{Field, Lattice, Tissue, at};
+use sutura_controller::lattice::{Balance, Field, Lattice, Tissue, at};
 use sutura_controller::law::Material;
 use sutura_controller::math::{Mat3, Vec3};
 use sutura_controller::solver::{BePcg, Choice, Problem, Solver, Work, elastic_force, predict};
@@ -147,6 +147,7 @@ impl Block {
                 component[n] = u as f32;
             }
         }
+        self.tissue.balance = Balance::default();
     }
 
     /// Elastic force on the nodes of the upper face across `axis`, summed [N]: what the block pulls back with.

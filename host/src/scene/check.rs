@@ -447,6 +447,40 @@ mod tests {
         }
     }
 
+    /// 2 f_c/Δ = 2 · 0.04 N/0.03 mm = 2,667 N/m at scale 1.
+    #[test]
+    fn a_coupling_beyond_the_edge_of_the_device_is_refused() {
+        let stiff = |coupling: &str, scale: &str| {
+            let text = BUILT_IN
+                .replace("coupling_n_per_m = 800", &format!("coupling_n_per_m = {coupling}"))
+                .replace("scale = 1 ", &format!("scale = {scale} "));
+            let source = Source {
+                name: "s.toml".into(),
+                text,
+            };
+            check(&source, &source.parse().unwrap()).map(|_| ())
+        };
+        assert!(stiff("2666", "1").is_ok() && stiff("1333", "2").is_ok());
+        let error = stiff("1334", "2").unwrap_err().to_string();
+        let expected = "contact.coupling_n_per_m = 1334 at output.scale = 2 is more than the device's friction and encoders bear: at most 1333";
+        assert!(error.ends_with(expected), "{error}");
+    }
+
+    #[test]
+    fn the_barrier_of_law_volume_is_not_asked_for_twice() {
+        let error = altered("law = \"isotropic\"", "law = \"volume\"\npoisson = 0.45");
+        assert!(error.is_ok(), "{error:?}");
+        let text = BUILT_IN
+            .replace("\"passivity\",", "\"passivity\", \"barrier\",")
+            .replace("law = \"isotropic\"", "law = \"volume\"\npoisson = 0.45");
+        let source = Source {
+            name: "s.toml".into(),
+            text,
+        };
+        let error = check(&source, &source.parse().unwrap()).unwrap_err().to_string();
+        assert!(error.contains("effect barrier changes nothing under"), "{error}");
+    }
+
     #[test]
     fn a_default_that_does_not_fit_is_asked_for() {
         // A half circle of 9 mm has R = 2.865 mm: punctures at 0.95 R from the middle, 2 mm of them in the gap, leave a bite of 0.72 mm.

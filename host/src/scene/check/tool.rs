@@ -1,5 +1,6 @@
 //! What works on the tissue: `[needle]` or `[ball]`, `[contact]`, `[stitch]`, `[thread]`, `[operator]`.
 
+use sutura_controller::device::sim::BEARS;
 use sutura_controller::effects::key;
 use sutura_shared::scene::{self, Effect, KERNEL_PITCHES};
 use toml::Spanned;
@@ -53,10 +54,7 @@ impl Keys<'_> {
         let contact = &file.contact;
         let pitch = *file.patch.pitch_mm.get_ref();
         Ok(scene::Contact {
-            coupling_n_per_m: self
-                .source
-                .number("contact.coupling_n_per_m", &contact.coupling_n_per_m, [1.0, 1e5])?
-                as f32,
+            coupling_n_per_m: self.coupling(file)? as f32,
             coupling_n_s_per_m: self.source.number(
                 "contact.coupling_n_s_per_m",
                 &contact.coupling_n_s_per_m,
@@ -68,6 +66,21 @@ impl Keys<'_> {
                 KERNEL_PITCHES.map(|pitches| f64::from(pitches) * pitch),
             )?),
         })
+    }
+
+    /// Stiffness of the virtual coupling [N/m]: rendered, it is what the arm meets where the tissue does not give, as on bone.
+    fn coupling(&self, file: &File) -> Result<f64, Error> {
+        let coupling = &file.contact.coupling_n_per_m;
+        let stiffness = self.source.number("contact.coupling_n_per_m", coupling, [1.0, 1e5])?;
+        let scale = *file.output.scale.get_ref();
+        let most = f64::from(BEARS) / scale;
+        if stiffness > most {
+            let what = format!(
+                "contact.coupling_n_per_m = {stiffness} at output.scale = {scale} is more than the device's friction and encoders bear: at most {most:.0}"
+            );
+            return Err(self.source.fault(coupling.span(), what));
+        }
+        Ok(stiffness)
     }
 
     /// The punctures; none without effect `puncture`.

@@ -13,7 +13,7 @@ pub fn without(scene: &Scene, effect: Effect) -> Scene {
     }
     scene.effects = Effects(scene.effects.0 & !(effect as u32));
     match effect {
-        Effect::Gravity => {}
+        Effect::Gravity | Effect::Barrier => {}
         Effect::Stiffening => {
             for tissue in &mut scene.tissues {
                 if let Body::Soft { curve, .. } = &mut tissue.body {
