@@ -11,10 +11,14 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use clap::{ArgGroup, Args, Parser, Subcommand};
 use indicatif::{ProgressBar, ProgressStyle};
 use sutura::geometry::units::Units;
+use sutura::run::vtk::Frames;
 use sutura::voxelize::{self, Resolution};
 use sutura::{run, scene};
 use sutura_controller::lanes::Level;
 use tracing_subscriber::EnvFilter;
+
+/// Ticks from VTK frame to VTK frame where nothing else is asked for: ten frames a second.
+const FRAME_EVERY: u32 = 100;
 
 /// A haptic suture simulator: a curved needle and its thread close a wound in soft tissue.
 #[derive(Parser)]
@@ -69,6 +73,12 @@ struct RunArgs {
     /// Folder for force.csv, force.png and scene.toml, the scene as it ran.
     #[arg(long, value_name = "DIR", default_value = "sutura-out")]
     out: PathBuf,
+    /// Folder for VTK files of patch, needle, thread and punctures, and run.pvd, the time series of them all, for ParaView.
+    #[arg(long, value_name = "DIR")]
+    vtu: Option<PathBuf>,
+    /// VTK frames for each second of simulated time; a divisor of 1000. Without it 10.
+    #[arg(long = "fps", value_name = "N", requires = "vtu", value_parser = cli::flags::every)]
+    every: Option<u32>,
     /// Instructions to run on, instead of the best this processor has: off, sse2, avx2 or avx512. Results are the same.
     #[arg(long, value_name = "LEVEL", value_parser = cli::flags::simd)]
     simd: Option<Level>,
@@ -143,6 +153,10 @@ fn run_scene(args: RunArgs) -> ExitCode {
         realtime: args.realtime,
         level: args.simd.unwrap_or_else(Level::best),
         out: args.out,
+        frames: args.vtu.map(|folder| Frames {
+            folder,
+            every: args.every.unwrap_or(FRAME_EVERY),
+        }),
     };
     let interrupted = interrupt();
     let bar = if std::io::stderr().is_terminal() {
