@@ -45,6 +45,8 @@ enum Command {
         #[command(subcommand)]
         study: cli::study::Study,
     },
+    /// Scores a recorded run.
+    Score(cli::score::ScoreArgs),
     /// Shows the built-in scene.
     Scene(SceneArgs),
     /// Ticks an uploaded scene, for whoever counts its instructions.
@@ -70,7 +72,7 @@ struct RunArgs {
     /// Stops after this many seconds of simulated time.
     #[arg(long, value_name = "S", value_parser = seconds)]
     seconds: Option<f64>,
-    /// Folder for force.csv, force.png and scene.toml, the scene as it ran.
+    /// Folder for the score, the tables it is made from, force.png and scene.toml, the scene as it ran.
     #[arg(long, value_name = "DIR", default_value = "sutura-out")]
     out: PathBuf,
     /// Folder for VTK files of patch, needle, thread and punctures, and run.pvd, the time series of them all, for ParaView.
@@ -135,6 +137,7 @@ fn main() -> ExitCode {
         Some(Command::Moduli(args)) => cli::moduli::run(&args),
         Some(Command::Poke(args)) => cli::poke::run(&args),
         Some(Command::Study { study }) => cli::study::run(&study),
+        Some(Command::Score(args)) => cli::score::run(&args),
         Some(Command::Ticks(args)) => cli::ticks::run(&args),
         Some(Command::Scene(_)) => {
             say(format_args!("{}", scene::BUILT_IN));

@@ -22,6 +22,7 @@ use crate::link::LinkError;
 use crate::scene;
 use crate::scene::build;
 use crate::scene::draft::{Draft, Key};
+use crate::score;
 use crate::study::block;
 use crate::voxelize::Springs;
 use log::{Change, Log};
@@ -64,12 +65,15 @@ pub fn run(request: &Request, interrupted: &AtomicBool, progress: impl FnMut(&Te
     };
     files::write(&request.out, &copy, &title, &session.log)?;
     session.series.take().map_or(Ok(()), Series::finish)?;
+    let score = score::of(&request.out)?;
+    score::write(&request.out, &score)?;
     let whole = request.seconds.is_none();
     if whole {
         stuck(&session.log)?;
     }
     let report = Report {
         auto,
+        score: Some(score),
         ..report(request, &built, session)
     };
     if whole && built.scene.thread.is_some() {
@@ -140,6 +144,7 @@ fn report(request: &Request, built: &build::Built, session: Session) -> Report {
         effects_off: names(built, false),
         solver: built.scene.solver.to_string(),
         auto: None,
+        score: None,
         ticks,
         stages: log.stages(),
         punctures: log.punctures(),
@@ -206,6 +211,9 @@ pub enum Error {
     /// The files of the run.
     #[error(transparent)]
     Files(#[from] files::Error),
+    /// Its score.
+    #[error(transparent)]
+    Score(#[from] score::Error),
     /// The controller and the way to it.
     #[error(transparent)]
     Link(#[from] LinkError),
@@ -239,6 +247,7 @@ impl Error {
             | Self::Build(_)
             | Self::Lattice(_)
             | Self::Files(files::Error::File { .. } | files::Error::Scene { .. })
+            | Self::Score(score::Error::Files(_))
             | Self::Thread(_)
             | Self::Stuck { .. } => 2,
             Self::Link(
@@ -249,7 +258,7 @@ impl Error {
                 | LinkError::TooLong { .. },
             ) => 2,
             Self::Interrupted => 130,
-            Self::Files(files::Error::Plot(_)) | Self::Link(_) | Self::Controller => 1,
+            Self::Files(files::Error::Plot(_)) | Self::Score(_) | Self::Link(_) | Self::Controller => 1,
         }
     }
 }

@@ -6,6 +6,7 @@ use serde::Serialize;
 use sutura_controller::effects::TABLE;
 
 use super::log::{Change, Peaks, Puncture, StageSpan};
+use crate::score::Score;
 use crate::study::budget::Auto;
 use crate::voxelize::Springs;
 
@@ -61,7 +62,16 @@ impl Display for Report {
             "a tick took {median:.0} µs (median), {p99:.0} µs (99 %), {max:.0} µs (most); state hash {}",
             self.state_hash
         )?;
-        write!(f, "files: {0}/force.csv, {0}/force.png, {0}/scene.toml", self.out)
+        writeln!(f)?;
+        if let Some(score) = &self.score {
+            writeln!(f, "{score}")?;
+            writeln!(f)?;
+        }
+        write!(
+            f,
+            "files: {0}/force.csv, {0}/force.png, {0}/score.md, {0}/score.json, {0}/scene.toml",
+            self.out
+        )
     }
 }
 
@@ -134,6 +144,8 @@ pub struct Report {
     pub tick_us: TickTime,
     /// Frames between host and controller.
     pub link: LinkCount,
+    /// The score card.
+    pub score: Option<Score>,
     /// Folder of the files.
     pub out: String,
 }
