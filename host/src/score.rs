@@ -16,7 +16,7 @@ use serde::Serialize;
 use crate::run::files;
 use crate::scene;
 pub use table::Threshold;
-use table::{Kind, Mark, Miss};
+use table::{Kind, MARKS, Mark, Miss};
 
 /// What the numbers are not.
 pub const NOTE: &str = "A training aid: its numbers are not validated for credentialing.";
@@ -54,19 +54,20 @@ pub fn write(folder: &Path, score: &Score) -> Result<(), files::Error> {
     Ok(())
 }
 
-/// Divides a row's weight among the stitches that have the row.
+/// Gives rows their points; rows of several stitches share those of their kind.
 fn share(rows: &mut [Row]) {
-    let names: Vec<_> = rows
-        .iter()
-        .filter(|row| row.mark.is_some())
-        .map(|row| row.name)
-        .collect();
-    for row in rows {
-        let among = names.iter().filter(|name| **name == row.name).count() as f64;
-        row.points = row.mark.map(|mark| Points {
-            got: row.part(mark) * mark.weight / among,
-            of: mark.weight / among,
-        });
+    let whole = |row: &Row| row.stage.is_none();
+    for mark in &MARKS {
+        let among = rows
+            .iter()
+            .filter(|row| whole(row) && row.name == mark.kind.name)
+            .count() as f64;
+        for row in rows.iter_mut().filter(|row| whole(row) && row.name == mark.kind.name) {
+            row.points = Some(Points {
+                got: row.part(mark) * mark.weight / among,
+                of: mark.weight / among,
+            });
+        }
     }
 }
 
@@ -86,13 +87,12 @@ impl Row {
                 .and_then(|(threshold, value)| threshold.met(value)),
             source: kind.source,
             points: None,
-            mark: kind.mark,
         }
     }
 
     /// The part of its points that a row gets: 1 without a miss, nothing without a value.
-    fn part(&self, Mark { half, miss, .. }: Mark) -> f64 {
-        let missed = |value: f64| match miss {
+    fn part(&self, Mark { half, miss, .. }: &Mark) -> f64 {
+        let missed = |value: f64| match *miss {
             Miss::Size => value.abs(),
             Miss::BelowBest => (self.best.unwrap_or(90.0) - value).max(0.0),
             Miss::Outside([least, most]) => (least - value).max(value - most).max(0.0),
@@ -138,8 +138,6 @@ pub struct Row {
     pub source: &'static str,
     /// What it counts in the total; none for what is only shown.
     pub points: Option<Points>,
-    #[serde(skip)]
-    mark: Option<Mark>,
 }
 
 /// Points of a row.

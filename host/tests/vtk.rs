@@ -255,7 +255,7 @@ for path in glob.glob(sys.argv[1] + '/patch_*.vtu'):
     (block,) = mesh.cells
     assert block.type == 'hexahedron', block.type
     assert (len(mesh.points), len(block.data)) == (int(sys.argv[2]), int(sys.argv[3])), path
-    corner = mesh.points[block.data].astype(float)
+    corner = mesh.points[block.data.astype(int)].astype(float)
     edges = corner[:, [1, 3, 4]] - corner[:, [0]]
     assert (numpy.linalg.det(edges) > 0).all(), path
     rest = mesh.points - mesh.point_data['displacement_m']

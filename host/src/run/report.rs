@@ -23,21 +23,7 @@ impl Display for Report {
             writeln!(f, "the solver was chosen {auto}")?;
         }
         writeln!(f)?;
-        writeln!(f, "stage            from s      to s    peak N    mean N  thread N")?;
-        for stage in &self.stages {
-            let [from, to] = [stage.from_tick - 1, stage.to_tick].map(|tick| f64::from(tick) * 1e-3);
-            let StageSpan {
-                name,
-                peak_n,
-                mean_n,
-                thread_peak_n,
-                ..
-            } = stage;
-            writeln!(
-                f,
-                "{name:<13}{from:>10.3}{to:>10.3}{peak_n:>10.3}{mean_n:>10.3}{thread_peak_n:>10.3}"
-            )?;
-        }
+        self.stages(f)?;
         writeln!(f)?;
         for puncture in &self.punctures {
             let Puncture {
@@ -76,6 +62,26 @@ impl Display for Report {
 }
 
 impl Report {
+    /// Times and forces of the stages.
+    fn stages(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        writeln!(f, "stage            from s      to s    peak N    mean N  thread N")?;
+        for stage in &self.stages {
+            let [from, to] = [stage.from_tick - 1, stage.to_tick].map(|tick| f64::from(tick) * 1e-3);
+            let StageSpan {
+                name,
+                peak_n,
+                mean_n,
+                thread_peak_n,
+                ..
+            } = stage;
+            writeln!(
+                f,
+                "{name:<13}{from:>10.3}{to:>10.3}{peak_n:>10.3}{mean_n:>10.3}{thread_peak_n:>10.3}"
+            )?;
+        }
+        Ok(())
+    }
+
     /// The wound before and after.
     fn gaps(&self, f: &mut Formatter<'_>) -> fmt::Result {
         for Change { before, after } in &self.wound_gap_mm.at_stitch {

@@ -8,6 +8,7 @@ mod pieces;
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
+use sutura_controller::math::TICK_HZ;
 use sutura_shared::message::PunctureEvent;
 use vtkio::model::{ByteOrder, DataSet, Version, Vtk};
 
@@ -92,7 +93,7 @@ impl Series {
         let mut text =
             String::from("<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"0.1\">\n  <Collection>\n");
         for (tick, names) in &self.frames {
-            let time = f64::from(*tick) * 1e-3;
+            let time = f64::from(*tick) / f64::from(TICK_HZ);
             for (part, name) in names.iter().enumerate() {
                 text += &format!("    <DataSet timestep=\"{time}\" part=\"{part}\" file=\"{name}\"/>\n");
             }

@@ -1,5 +1,5 @@
 //! What a controller in this process shows of itself beside its telemetry: the tool's pose and the thread after every tick, and now and then
-//! the whole patch. It is looked at between ticks, so no tick is longer for it.
+//! the whole patch. Looking changes no result; the microsecond it takes counts to the tick's time.
 
 use crossbeam_channel::Sender;
 use nalgebra::{Rotation3, UnitQuaternion};

@@ -2,6 +2,7 @@
 
 use std::fmt::{self, Display, Formatter};
 
+use super::table::{MARKS, Mark};
 use super::{Row, Score, Threshold};
 
 impl Display for Score {
@@ -43,6 +44,18 @@ impl Score {
                 row.counted(),
                 row.source
             );
+        }
+        text += "\nA miss of `half` leaves half of a row's points: weight · half/(half + miss). The halves are scales of this score, not thresholds.\n";
+        text += "\n| counts | weight | half | unit | because |\n|---|---|---|---|---|\n";
+        for Mark {
+            kind,
+            weight,
+            half,
+            reason,
+            ..
+        } in &MARKS
+        {
+            text += &format!("| {} | {weight} | {half} | {} | {reason} |\n", kind.name, kind.unit);
         }
         text
     }

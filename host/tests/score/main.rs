@@ -3,104 +3,14 @@
 // The lint knows tests, not what they call.
 #![allow(clippy::unwrap_used)]
 
+mod recording;
+
 use std::f64::consts::PI;
-use std::fmt::Write as _;
 use std::path::Path;
 use std::process::Command;
 
-use sutura::score::{self, Row, Score};
-
-/// Radius and length of the built-in scene's needle, half a circle [m].
-const LENGTH: f64 = 0.026;
-const RADIUS: f64 = LENGTH / PI;
-/// The tip is two thirds of the length ahead of the grasp.
-const TIP: f64 = 2.0 / 3.0 * PI;
-
-/// A recording, tick by tick.
-#[derive(Default)]
-struct Recording {
-    force: String,
-    motion: String,
-    punctures: String,
-    ticks: usize,
-}
-
-/// One tick: stage, grasp point [m], angle ψ of the grasp from x towards z in the plane y = const [rad], simulated and side force,
-/// tension on the needle and in the stitch [N], gap [mm].
-struct Tick {
-    stage: &'static str,
-    position: [f64; 3],
-    psi: f64,
-    force: f64,
-    side: f64,
-    tension: [f64; 2],
-    gap: f64,
-}
-
-const STILL: Tick = Tick {
-    stage: "approach",
-    position: [0.0; 3],
-    psi: 0.0,
-    force: 0.0,
-    side: 0.0,
-    tension: [0.0; 2],
-    gap: 4.0,
-};
-
-impl Recording {
-    fn tick(&mut self, tick: &Tick) {
-        self.ticks += 1;
-        let Tick {
-            stage,
-            position: [x, y, z],
-            psi,
-            force,
-            side,
-            tension: [needle, stitch],
-            gap,
-        } = tick;
-        let n = self.ticks;
-        writeln!(self.force, "{n},{stage},{x},{y},{z},{force},{force},{needle},{gap}").unwrap();
-        // The needle's x at ψ from x towards z, its z against the patch's y: a quarter turn about x, then −ψ about the patch's y.
-        let (half, quarter) = (-psi / 2.0, PI / 4.0);
-        let (w, i) = (half.cos() * quarter.cos(), half.cos() * quarter.sin());
-        let (j, k) = (half.sin() * quarter.cos(), -half.sin() * quarter.sin());
-        writeln!(self.motion, "{n},{w},{i},{j},{k},{side},{stitch},0.009").unwrap();
-    }
-
-    fn puncture(&mut self, stitch: u32, site: &str, [x, y, z]: [f64; 3]) {
-        writeln!(
-            self.punctures,
-            "{},{stitch},{site},{x},{y},{z},0.95,0.95,1.5",
-            self.ticks
-        )
-        .unwrap();
-    }
-
-    fn write(&self, folder: &Path) {
-        let put = |name: &str, head: &str, lines: &str| {
-            std::fs::write(folder.join(name), format!("{head}\n{lines}")).unwrap()
-        };
-        std::fs::write(folder.join("scene.toml"), sutura::scene::BUILT_IN).unwrap();
-        put(
-            "force.csv",
-            "tick,stage,x_m,y_m,z_m,simulated_n,rendered_n,thread_n,gap_mm",
-            &self.force,
-        );
-        put("motion.csv", "tick,qw,qx,qy,qz,side_n,stitch_n,stitch_m", &self.motion);
-        put(
-            "punctures.csv",
-            "tick,stitch,site,x_m,y_m,z_m,force_n,f0_n,depth_mm",
-            &self.punctures,
-        );
-    }
-
-    fn scored(&self) -> Score {
-        let folder = tempfile::tempdir().unwrap();
-        self.write(folder.path());
-        score::of(folder.path()).unwrap()
-    }
-}
+use recording::{RADIUS, Recording, STILL, TIP, Tick};
+use sutura::score::{Row, Score};
 
 /// The row of this name, of no stage.
 fn row<'a>(score: &'a Score, name: &str) -> &'a Row {
@@ -220,9 +130,10 @@ fn a_needle_is_held_to_its_arc_and_to_its_bite() {
         }
         let score = recording.scored();
         let best = (half / RADIUS).asin().to_degrees();
+        // A scene keeps its needle in single precision: the radius is off by 1e-7 of it.
         for name in ["entry angle", "exit angle"] {
-            near(&score, name, best, 1e-6);
-            assert!((row(&score, name).best.unwrap() - best).abs() < 1e-9);
+            near(&score, name, best, 1e-5);
+            assert!((row(&score, name).best.unwrap() - best).abs() < 1e-5);
             assert_eq!(row(&score, name).meets, None);
         }
         // 6 mm from the middle of a wound 4 mm wide.
@@ -230,12 +141,12 @@ fn a_needle_is_held_to_its_arc_and_to_its_bite() {
         near(&score, "bite at the exit", 4.0, 1e-9);
         near(&score, "difference of the bites", 0.0, 1e-9);
         near(&score, "depth", (RADIUS - up) * 1e3, 1e-3);
-        near(&score, "tip off the needle's arc, most", off * 1e3 / 2.0, 1e-6);
-        // A ramp to s has the RMS s/√3.
+        near(&score, "tip off the needle's arc, most", off * 1e3 / 2.0, 1e-5);
+        // A ramp from −s/2 to s/2 has the RMS s/√12.
         near(
             &score,
             "tip off the needle's arc, RMS",
-            off * 1e3 / 3.0_f64.sqrt(),
+            off * 1e3 / 12.0_f64.sqrt(),
             1e-3,
         );
         near(&score, "side load on the needle, mean", 0.25, 1e-12);
