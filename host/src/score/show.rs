@@ -22,7 +22,7 @@ impl Display for Score {
                 row.counted()
             )?;
         }
-        writeln!(f, "{:<46}{:>57}", "total, out of 100", format!("{:.1}", self.total))?;
+        writeln!(f, "{:<46}{:>51}", "total, out of 100", format!("{:.1}", self.total))?;
         write!(f, "{}", self.note)
     }
 }
