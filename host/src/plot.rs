@@ -214,6 +214,7 @@ mod tests {
         let log = Log {
             ticks: (1..=1000).map(tick).collect(),
             punctures: vec![puncture],
+            ..Log::default()
         };
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("force.png");

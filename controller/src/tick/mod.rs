@@ -4,6 +4,7 @@
 
 mod params;
 mod sewing;
+mod view;
 
 pub use params::ConfigError;
 

@@ -1,0 +1,47 @@
+//! What can be seen of a scene as it runs, for whoever records or draws it. Looking changes nothing.
+
+use super::Controller;
+use crate::math::Vec3;
+use crate::needle::{Arc, Passage};
+use crate::thread::{Pull, Run};
+use sutura_shared::scene::Site;
+
+impl<const N: usize> Controller<'_, N> {
+    /// The tool as it stood in the last tick; `None` before the first.
+    #[must_use]
+    pub fn tool(&self) -> Option<Arc> {
+        let (params, state) = self.running.as_ref()?;
+        Some(Arc::new(params.needle.tool, state.needle.before?))
+    }
+
+    /// The puncture sites in the order in which a needle comes to them, and how far each is passed.
+    pub fn sites(&self) -> impl Iterator<Item = (Site, &Passage)> {
+        let needle = self.running.iter().map(|(_, state)| &state.needle);
+        needle.flat_map(|needle| [(Site::Left, &needle.left), (Site::Right, &needle.right)])
+    }
+
+    /// Places [m] and velocities [m/s] of the thread's nodes, from the needle to the tail, patch frame.
+    pub fn thread(&self) -> impl Iterator<Item = (Vec3, Vec3)> {
+        let running = self.running.iter();
+        running
+            .filter_map(|(params, state)| Some(state.thread.as_ref()?.live(params.thread.as_ref()?)))
+            .flatten()
+    }
+
+    /// Where the thread runs through the tissue: the node on the needle's side, and the place [m].
+    pub fn eyelets(&self) -> impl Iterator<Item = (usize, Vec3)> {
+        let threads = self.running.iter().filter_map(|(_, state)| state.thread.as_ref());
+        threads.filter_map(|thread| match thread.run {
+            Run::Free => None,
+            Run::Sliding { link } | Run::Tied { link, .. } => Some((link, thread.eyelet?)),
+        })
+    }
+
+    /// The thread's pull in the last tick.
+    #[must_use]
+    pub fn pull(&self) -> Pull {
+        self.running
+            .as_ref()
+            .map_or_else(Pull::default, |(_, state)| state.pull)
+    }
+}
