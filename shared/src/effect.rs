@@ -25,11 +25,13 @@ pub enum Effect {
     WoundContact = 1 << 7,
     /// Time-domain passivity control at the output edge.
     Passivity = 1 << 8,
+    /// Skin under tension is harder to puncture.
+    SkinTension = 1 << 9,
 }
 
 impl Effect {
     /// Every effect, in the order of its bit.
-    pub const ALL: [Self; 9] = [
+    pub const ALL: [Self; 10] = [
         Self::Gravity,
         Self::Stiffening,
         Self::SpringDamping,
@@ -39,6 +41,7 @@ impl Effect {
         Self::ThreadContact,
         Self::WoundContact,
         Self::Passivity,
+        Self::SkinTension,
     ];
 
     /// The name a scene file uses.
@@ -54,6 +57,7 @@ impl Effect {
             Self::ThreadContact => "thread-contact",
             Self::WoundContact => "wound-contact",
             Self::Passivity => "passivity",
+            Self::SkinTension => "skin-tension",
         }
     }
 }

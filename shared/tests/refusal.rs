@@ -192,7 +192,7 @@ fn floats_must_be_finite() {
     for bad in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY] {
         let good = samples::telemetry(Stage::Drive);
         let puncture = PunctureEvent {
-            site: Site::Left,
+            site: Site::A,
             tick: 1,
             force_n: bad,
             f0_n: 1.0,

@@ -33,8 +33,8 @@ fn indent(scene: &str) -> ([f32; 2], Vec<(u32, usize)>) {
             inverted.extend((voxels > 0).then_some((tick, voxels)));
         }
         let Some(puncture) = output.puncture else { continue };
-        depths_mm[usize::from(puncture.site == Site::Right)] = puncture.depth * 1e3;
-        if puncture.site == Site::Right {
+        depths_mm[usize::from(puncture.site == Site::D)] = puncture.depth * 1e3;
+        if puncture.site == Site::D {
             break;
         }
     }

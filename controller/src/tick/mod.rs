@@ -7,13 +7,13 @@ mod sewing;
 
 pub use params::ConfigError;
 
-use crate::coupling::{Coupling, RIGHT, TAIL};
+use crate::coupling::{Coupling, D, TAIL};
 use crate::event::{Fault, Faults};
 use crate::hash::Hasher;
 use crate::lanes::Level;
 use crate::lattice::{Field, Lattice, Tissue};
 use crate::math::{Pose, Vec3, finite, length};
-use crate::needle::{self, Arc, Passage};
+use crate::needle::{self, Arc, Body, Passage};
 use crate::record::{Output, Sample};
 use crate::safety::{self, Gate};
 use crate::solver::{self, Choice, Problem, Solver, Work};
@@ -133,7 +133,12 @@ impl<'m, const N: usize> Controller<'m, N> {
 
         // contact
         let mut coupling = Coupling::default();
-        needle::detect(&params.needle, &mut state.needle, &arc, lattice, tissue);
+        let body = Body {
+            lattice,
+            tissue,
+            faces: params.faces.as_ref(),
+        };
+        needle::detect(&params.needle, &mut state.needle, &arc, &body);
         let holds = needle::couple(&params.needle, &mut state.needle, &arc, tissue, &mut coupling);
 
         // thread
@@ -148,7 +153,7 @@ impl<'m, const N: usize> Controller<'m, N> {
 
         // force
         let grip = needle::settle(&params.needle, &mut state.needle, &arc, (&holds, &moved), tissue);
-        let ends = [moved[TAIL], moved[RIGHT]];
+        let ends = [moved[TAIL], moved[D]];
         state.pull = sewing::relax(params, state, ends, (lattice, load), &mut self.thread_work);
         let simulated = grip.force + state.pull.direction * state.pull.tension;
 
@@ -190,14 +195,17 @@ impl<'m, const N: usize> Controller<'m, N> {
                 hasher.vector(crate::lattice::at(field, node));
             }
         }
-        for site in [&state.needle.left, &state.needle.right] {
+        for site in &state.needle.sites {
             if let Some(point) = site.point() {
                 hasher.vector(point.rest);
             }
-            if let Passage::Hole(hole) = site {
-                hasher.vector(Vec3::new(hole.from_tip, hole.adhesion, 0.0));
+            match site {
+                Passage::Hole(hole) => hasher.vector(Vec3::new(hole.from_tip, hole.adhesion, hole.cut)),
+                Passage::Track(track) => hasher.vector(Vec3::x() * track.cut),
+                Passage::Ahead | Passage::Touch(_) | Passage::Passed(_) => {}
             }
         }
+        hasher.vector(state.needle.offset);
         hasher.vector(state.safety.sent);
         hasher.vector(Vec3::new(state.safety.energy, 0.0, 0.0));
         if let (Some(thread), Some(run)) = (&params.thread, &state.thread) {

@@ -109,7 +109,7 @@ impl Params {
         };
         let mut tail = Point::default();
         if let (Some(_), Some(stitch)) = (&thread, &scene.stitch) {
-            let [x, y] = stitch.left_m;
+            let [x, y] = stitch.a_m;
             let above = Vec3::new(x, y, 0.0);
             let z = surface::height(lattice, tissue, above).ok_or(ConfigError::NoSkinAtSite)?;
             let place = Vec3::new(x, y, z);

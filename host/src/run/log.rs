@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 use sutura_shared::message::{PunctureEvent, Telemetry};
-use sutura_shared::scene::{Site, Stage};
+use sutura_shared::scene::Stage;
 
 impl Log {
     /// Runs of ticks with one stage, in order; all belong to the one stitch of a run.
@@ -16,10 +16,7 @@ impl Log {
     #[must_use]
     pub fn punctures(&self) -> Vec<Puncture> {
         let report = |event: &PunctureEvent| Puncture {
-            site: match event.site {
-                Site::Left => "left",
-                Site::Right => "right",
-            },
+            site: event.site.name(),
             stitch: 1,
             tick: event.tick,
             force_n: event.force_n,

@@ -54,11 +54,12 @@ pub fn build(plan: &Plan, nodes_max: usize) -> Result<Built, Error> {
         tool: plan.tool,
         contact: plan.contact,
         stitch: plan.stitch.map(|stitch| scene::Stitch {
-            left_m: [-half, 0.0],
+            a_m: [-half, 0.0],
             f0_n: stitch.f0_n,
             under_m: stitch.under_m,
             friction_n_per_m: stitch.friction_n_per_m,
             cutting_n: stitch.cutting_n,
+            tension_gain: stitch.tension_gain,
         }),
         thread: plan.thread,
         wound: plan.wound.map(|wound| faces(&wound, &patch)),
@@ -204,8 +205,12 @@ fn half_mm(plan: &Plan) -> f64 {
 fn place(plan: &Plan, patch: &Patch) -> Result<Place, Error> {
     let half = half_mm(plan);
     let skin = |x_mm: f64| skin(plan, patch, x_mm).map(|z_mm| z_mm * 1e-3);
-    let (radius_m, length_m) = match plan.tool {
-        Tool::Needle { radius_m, length_m } => (radius_m, length_m),
+    let (radius_m, ahead_m) = match plan.tool {
+        Tool::Needle {
+            radius_m,
+            length_m,
+            grasp_m,
+        } => (radius_m, length_m - grasp_m),
         Tool::Ball { radius_m } => (radius_m, 0.0),
     };
     let thread_m = plan
@@ -215,7 +220,7 @@ fn place(plan: &Plan, patch: &Patch) -> Result<Place, Error> {
         skin_m: [skin(-half)?, skin(half)?],
         half_m: half * 1e-3,
         radius_m: radius_m.into(),
-        length_m: length_m.into(),
+        ahead_m: ahead_m.into(),
         thread_m: thread_m.into(),
     })
 }

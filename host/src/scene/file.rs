@@ -177,14 +177,16 @@ pub struct Contact {
 pub struct Stitch {
     /// From the wound's edge to a puncture.
     pub bite_mm: Option<Number>,
-    /// Puncture force at the left and at the right site.
-    pub f0_n: Option<[Number; 2]>,
-    /// Depth under the right site at which the tip begins to lift the skin.
+    /// Puncture force at the sites a to d.
+    pub f0_n: Option<[Number; 4]>,
+    /// Distance from a surface at which the tip, coming from inside, begins to lift it.
     pub under_mm: Option<Number>,
     /// Friction per length of shaft in the tissue; effect `shaft-friction`.
     pub friction_n_per_mm: Option<Number>,
     /// Force of the cutting tip; effect `shaft-friction`.
     pub cutting_n: Option<Number>,
+    /// Growth of F0 with the skin's strain; effect `skin-tension`.
+    pub tension_gain: Option<Number>,
 }
 
 /// `[thread]`: effect `thread`

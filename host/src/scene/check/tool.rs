@@ -31,6 +31,7 @@ impl Keys<'_> {
                 Ok(scene::Tool::Needle {
                     radius_m,
                     length_m: metres(length_mm),
+                    grasp_m: metres(length_mm / 3.0),
                 })
             }
             (None, Some(ball)) => {
@@ -95,10 +96,11 @@ impl Keys<'_> {
         let friction = self.own(&key::FRICTION, stitch.friction_n_per_mm.as_ref())?;
         Ok(Some(Stitch {
             bite_mm: self.own_within(&key::BITE, stitch.bite_mm.as_ref(), bite)?,
-            f0_n: [f0(0)? as f32, f0(1)? as f32],
+            f0_n: [f0(0)? as f32, f0(1)? as f32, f0(2)? as f32, f0(3)? as f32],
             under_m: metres(self.own(&key::UNDER, stitch.under_mm.as_ref())?),
             friction_n_per_m: (friction * 1e3) as f32,
             cutting_n: self.own(&key::CUTTING, stitch.cutting_n.as_ref())? as f32,
+            tension_gain: self.own(&key::TENSION_GAIN, stitch.tension_gain.as_ref())? as f32,
         }))
     }
 
