@@ -44,7 +44,8 @@ fn indent(scene: &str) -> ([f32; 2], Vec<(u32, usize)>) {
 /// A wound of 4 mm is no multiple of 1.5 mm; the nearest is 4.5 mm.
 #[test]
 fn the_depth_at_f0_does_not_depend_on_the_pitch() {
-    let coarse = sutura::scene::BUILT_IN;
+    // Where the needle goes under the wound its faces have no part in where it comes out.
+    let coarse = &sutura::scene::BUILT_IN.replace("depth_mm = 6", "depth_mm = 2");
     let fine = coarse
         .replace("pitch_mm = 2 ", "pitch_mm = 1.5 ")
         .replace("gap_mm = 4 ", "gap_mm = 4.5 ");

@@ -22,8 +22,9 @@ use sutura_shared::scene::Site;
 /// Stretch of the virtual coupling at which the tip leaves a surface [m]: above the encoders' 29 µm, so that their steps alone do not make
 /// and break the contact.
 const ADHESION: f32 = 4e-5;
-/// Stiffness of what holds a point on the tool [N/m]: at 1 N across the needle it is 5 µm from the arc.
-const RIGID: f32 = 2e5;
+/// Stiffness of what holds a point on the tool [N/m]: at 0.4 N across the needle it is 10 µm from the arc. Much stiffer than tissue, and not
+/// so stiff that solvers which move one node after the other would lock.
+const RIGID: f32 = 4e4;
 /// The coupling's points by site.
 const SLOTS: [usize; 4] = [A, B, C, D];
 

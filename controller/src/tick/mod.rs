@@ -13,7 +13,7 @@ use crate::hash::Hasher;
 use crate::lanes::Level;
 use crate::lattice::{Field, Lattice, Tissue};
 use crate::math::{Pose, Vec3, finite, length};
-use crate::needle::{self, Arc, Body, Passage};
+use crate::needle::{self, Arc, Passage};
 use crate::record::{Output, Sample};
 use crate::safety::{self, Gate};
 use crate::solver::{self, Choice, Problem, Solver, Work};
@@ -133,12 +133,7 @@ impl<'m, const N: usize> Controller<'m, N> {
 
         // contact
         let mut coupling = Coupling::default();
-        let body = Body {
-            lattice,
-            tissue,
-            faces: params.faces.as_ref(),
-        };
-        needle::detect(&params.needle, &mut state.needle, &arc, &body);
+        needle::detect(&params.needle, &mut state.needle, &arc, &params.body(lattice, tissue));
         let holds = needle::couple(&params.needle, &mut state.needle, &arc, tissue, &mut coupling);
 
         // thread

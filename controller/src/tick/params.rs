@@ -5,7 +5,7 @@ use crate::lanes::Level;
 use crate::lattice::{Lattice, Tissue};
 use crate::law::Material;
 use crate::math::{Pose, Vec3};
-use crate::needle::{self, Point};
+use crate::needle::{self, Body, Point};
 use crate::safety;
 use crate::solver::{Choice, Problem, Refused};
 use crate::surface::{self, Bridge};
@@ -87,6 +87,19 @@ impl Params {
             coupling,
             faces: self.faces.as_ref().filter(|_| self.meet),
             level,
+        }
+    }
+
+    /// What the tool meets.
+    pub(super) const fn body<'a, const N: usize>(
+        &'a self,
+        lattice: &'a Lattice<N>,
+        tissue: &'a Tissue<N>,
+    ) -> Body<'a, N> {
+        Body {
+            lattice,
+            tissue,
+            faces: self.faces.as_ref(),
         }
     }
 

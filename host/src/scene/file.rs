@@ -145,10 +145,14 @@ pub struct Wound {
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Needle {
-    /// Part of a circle.
-    pub arc_of_circle: Number,
-    /// From tip to swage along the arc.
-    pub length_mm: Number,
+    /// Its maker's name.
+    pub kind: Option<Spanned<String>>,
+    /// Part of a circle; without a name.
+    pub arc_of_circle: Option<Number>,
+    /// From tip to swage along the arc; without a name.
+    pub length_mm: Option<Number>,
+    /// Where the driver holds it: part of the length from the swage; without it a third.
+    pub grasp: Option<Number>,
 }
 
 /// `[ball]`

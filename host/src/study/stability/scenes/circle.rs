@@ -20,6 +20,12 @@ impl Circle {
     /// That of a scene's needle through its punctures; skin is at z = 0.
     pub(super) fn of(scene: &Scene) -> Self {
         let half = scene.stitch.map_or(0.0, |stitch| -stitch.a_m[0]);
+        Self::through(scene, [-half, half])
+    }
+
+    /// That of a scene's needle through two places of the skin, given by x [m].
+    pub(super) fn through(scene: &Scene, [from, to]: [f32; 2]) -> Self {
+        let half = 0.5 * (to - from);
         let (radius, ahead) = match scene.tool {
             Tool::Needle {
                 radius_m,
@@ -29,7 +35,7 @@ impl Circle {
             Tool::Ball { radius_m } => (radius_m, 0.0),
         };
         Self {
-            centre: Vec3::z() * (radius * radius - half * half).max(0.0).sqrt(),
+            centre: Vec3::new(0.5 * (from + to), 0.0, (radius * radius - half * half).max(0.0).sqrt()),
             radius,
             ahead: ahead / radius,
             entry: PI + (half / radius).acos(),
