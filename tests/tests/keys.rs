@@ -83,9 +83,7 @@ fn others(path: &str, value: &Value) -> Vec<Value> {
         (_, "normal") => vec![vec![0.1, 0.1, 1.0].into()],
         (_, "site_mm" | "transform") => vec![moved(value)],
         // A whole number of voxels.
-        ("wound.gap_mm" | "wound.length_mm" | "wound.depth_mm", _) => {
-            [2.0, -2.0].map(|more| Value::from(number(value) + more)).to_vec()
-        }
+        ("wound.gap_mm" | "wound.length_mm" | "wound.depth_mm", _) => vec![(number(value) - 2.0).into()],
         _ if path.starts_with("patch.size_mm") => vec![(number(value) + 4.0).into()],
         _ => [1.05, 0.95, 1.3, 0.7]
             .map(|factor| Value::from(number(value) * factor))
