@@ -191,7 +191,7 @@ fn the_devices_limits_act_on_a_force_larger_than_life() {
 #[test]
 fn every_key_of_touching_acts() {
     let mut scene: Table = TOUCH.parse().unwrap();
-    *at(&mut scene, "output.scale") = 10.0.into();
+    *at(&mut scene, "output.scale") = 20.0.into();
     *at(&mut scene, "patch.law") = "volume".into();
     let patch = scene.get_mut("patch").unwrap().as_table_mut().unwrap();
     patch.insert("poisson".to_owned(), 0.4.into());
