@@ -8,13 +8,17 @@ use crate::lattice::{Field, add, at};
 use crate::math::{Mat3, Vec3};
 
 /// Points of one stitch.
-pub const POINTS: usize = 3;
+pub const POINTS: usize = 5;
 /// The thread's tail.
 pub const TAIL: usize = 0;
-/// The left puncture, and whatever a tool without puncture touches.
-pub const LEFT: usize = 1;
-/// The right puncture.
-pub const RIGHT: usize = 2;
+/// Puncture a, and whatever a tool without puncture touches.
+pub const A: usize = 1;
+/// Puncture b.
+pub const B: usize = 2;
+/// Puncture c.
+pub const C: usize = 3;
+/// Puncture d.
+pub const D: usize = 4;
 /// Nodes of one kernel: a ball of 3.5 pitches about a lattice point holds 179 of them.
 pub const KERNEL_MAX: usize = 192;
 

@@ -163,6 +163,13 @@ impl<const N: usize> Lattice<N> {
         })
     }
 
+    /// Column of a node along x.
+    #[must_use]
+    pub fn column(&self, index: usize) -> u32 {
+        let [nx, ..] = self.nodes;
+        (index % self.layer().max(1)) as u32 % nx.max(1)
+    }
+
     /// Place of a node at rest, patch frame [m].
     #[must_use]
     pub fn rest_place(&self, index: usize) -> Vec3 {

@@ -27,11 +27,13 @@ pub enum Effect {
     Passivity = 1 << 8,
     /// A barrier against voxels turned inside out, for laws of springs alone; law `volume` has it in any case.
     Barrier = 1 << 9,
+    /// Skin under tension is harder to puncture.
+    SkinTension = 1 << 10,
 }
 
 impl Effect {
     /// Every effect, in the order of its bit.
-    pub const ALL: [Self; 10] = [
+    pub const ALL: [Self; 11] = [
         Self::Gravity,
         Self::Stiffening,
         Self::SpringDamping,
@@ -42,6 +44,7 @@ impl Effect {
         Self::WoundContact,
         Self::Passivity,
         Self::Barrier,
+        Self::SkinTension,
     ];
 
     /// The name a scene file uses.
@@ -58,6 +61,7 @@ impl Effect {
             Self::WoundContact => "wound-contact",
             Self::Passivity => "passivity",
             Self::Barrier => "barrier",
+            Self::SkinTension => "skin-tension",
         }
     }
 }

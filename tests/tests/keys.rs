@@ -83,7 +83,7 @@ fn others(path: &str, value: &Value) -> Vec<Value> {
         (_, "normal") => vec![vec![0.1, 0.1, 1.0].into()],
         (_, "site_mm" | "transform") => vec![moved(value)],
         // A whole number of voxels.
-        ("wound.gap_mm" | "wound.length_mm" | "wound.depth_mm", _) => vec![(number(value) + 2.0).into()],
+        ("wound.gap_mm" | "wound.length_mm" | "wound.depth_mm", _) => vec![(number(value) - 2.0).into()],
         _ if path.starts_with("patch.size_mm") => vec![(number(value) + 4.0).into()],
         _ => [1.05, 0.95, 1.3, 0.7]
             .map(|factor| Value::from(number(value) * factor))
@@ -191,7 +191,7 @@ fn the_devices_limits_act_on_a_force_larger_than_life() {
 #[test]
 fn every_key_of_touching_acts() {
     let mut scene: Table = TOUCH.parse().unwrap();
-    *at(&mut scene, "output.scale") = 10.0.into();
+    *at(&mut scene, "output.scale") = 20.0.into();
     *at(&mut scene, "patch.law") = "volume".into();
     let patch = scene.get_mut("patch").unwrap().as_table_mut().unwrap();
     patch.insert("poisson".to_owned(), 0.4.into());

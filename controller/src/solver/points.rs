@@ -78,7 +78,7 @@ pub(super) struct Points<'a> {
 }
 
 impl<'a> Points<'a> {
-    /// Factors the points' part, one 9 × 9 elimination; `None` where nothing holds the tissue.
+    /// Factors the points' part, one elimination of three unknowns a point; `None` where nothing holds the tissue.
     pub(super) fn new(coupling: &'a Coupling, inverse: &impl Inverse) -> Option<Self> {
         if coupling.is_idle() {
             return None;

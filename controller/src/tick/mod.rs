@@ -8,7 +8,7 @@ mod view;
 
 pub use params::ConfigError;
 
-use crate::coupling::{Coupling, RIGHT, TAIL};
+use crate::coupling::{Coupling, D, TAIL};
 use crate::event::{Fault, Faults};
 use crate::hash::Hasher;
 use crate::lanes::Level;
@@ -136,7 +136,7 @@ impl<'m, const N: usize> Controller<'m, N> {
 
         // contact
         let mut coupling = Coupling::default();
-        needle::detect(&params.needle, &mut state.needle, &arc, lattice, tissue);
+        needle::detect(&params.needle, &mut state.needle, &arc, &params.body(lattice, tissue));
         let holds = needle::couple(&params.needle, &mut state.needle, &arc, tissue, &mut coupling);
 
         // thread
@@ -151,7 +151,7 @@ impl<'m, const N: usize> Controller<'m, N> {
 
         // force
         let grip = needle::settle(&params.needle, &mut state.needle, &arc, (&holds, &moved), tissue);
-        let ends = [moved[TAIL], moved[RIGHT]];
+        let ends = [moved[TAIL], moved[D]];
         state.pull = sewing::relax(params, state, ends, (lattice, load), &mut self.thread_work);
         let simulated = grip.force + state.pull.direction * state.pull.tension;
 
@@ -194,14 +194,17 @@ impl<'m, const N: usize> Controller<'m, N> {
             }
         }
         hasher.vector(Vec3::new(tissue.balance.caution, 0.0, 0.0));
-        for site in [&state.needle.left, &state.needle.right] {
+        for site in &state.needle.sites {
             if let Some(point) = site.point() {
                 hasher.vector(point.rest);
             }
-            if let Passage::Hole(hole) = site {
-                hasher.vector(Vec3::new(hole.from_tip, hole.adhesion, 0.0));
+            match site {
+                Passage::Hole(hole) => hasher.vector(Vec3::new(hole.from_tip, hole.adhesion, hole.cut)),
+                Passage::Track(track) => hasher.vector(Vec3::x() * track.cut),
+                Passage::Ahead | Passage::Touch(_) | Passage::Passed(_) => {}
             }
         }
+        hasher.vector(state.needle.offset);
         hasher.vector(state.safety.sent);
         hasher.vector(Vec3::new(state.safety.energy, 0.0, 0.0));
         if let (Some(thread), Some(run)) = (&params.thread, &state.thread) {

@@ -2,13 +2,13 @@
 
 use super::State;
 use super::params::Params;
-use crate::coupling::{Coupling, RIGHT, TAIL};
+use crate::coupling::{Coupling, D, TAIL};
 use crate::lattice::{Field, Lattice, Tissue};
 use crate::math::Vec3;
 use crate::needle::{Arc, Passage};
 use crate::surface::{self, Bridge};
 use crate::thread::{self, Ends, Ground, Pull, Touch};
-use sutura_shared::scene::Stage;
+use sutura_shared::scene::{Site, Stage};
 
 /// About what skin answers a point's displacement with [N/m]; it steers the thread's own iterations only.
 const SURFACE_STIFFNESS: f32 = 300.0;
@@ -25,7 +25,7 @@ pub(super) fn strain<const N: usize>(
     let tail = params.tail.predicted(tissue);
     let laid = || thread::State::laid(thread, arc.swage(), tail, Vec3::y());
     let run = state.thread.get_or_insert_with(laid);
-    let eyelet = match &state.needle.right {
+    let eyelet = match state.needle.at(Site::D) {
         Passage::Passed(point) => {
             run.lead_through();
             Some(point)
@@ -49,9 +49,9 @@ pub(super) fn strain<const N: usize>(
     };
     let condensed = thread::condense(thread, run, &ends, &skin, work);
     coupling.kernels[TAIL] = params.tail.kernel;
-    for (p, a) in [TAIL, RIGHT].into_iter().enumerate() {
+    for (p, a) in [TAIL, D].into_iter().enumerate() {
         coupling.force[a] += condensed.force[p];
-        for (q, b) in [TAIL, RIGHT].into_iter().enumerate() {
+        for (q, b) in [TAIL, D].into_iter().enumerate() {
             coupling.stiffness[a][b] += condensed.stiffness[p][q];
         }
     }

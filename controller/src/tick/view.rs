@@ -11,13 +11,14 @@ impl<const N: usize> Controller<'_, N> {
     #[must_use]
     pub fn tool(&self) -> Option<Arc> {
         let (params, state) = self.running.as_ref()?;
-        Some(Arc::new(params.needle.tool, state.needle.before?))
+        let needle = &state.needle;
+        Some(Arc::new(params.needle.tool, needle.before?).shifted(needle.offset))
     }
 
     /// The puncture sites in the order in which a needle comes to them, and how far each is passed.
     pub fn sites(&self) -> impl Iterator<Item = (Site, &Passage)> {
         let needle = self.running.iter().map(|(_, state)| &state.needle);
-        needle.flat_map(|needle| [(Site::Left, &needle.left), (Site::Right, &needle.right)])
+        needle.flat_map(|needle| Site::ALL.into_iter().zip(&needle.sites))
     }
 
     /// Places [m] and velocities [m/s] of the thread's nodes, from the needle to the tail, patch frame.

@@ -1,6 +1,6 @@
 //! A block of voxels as a scene without a hand, assembled.
 
-use sutura_controller::coupling::{Coupling, Kernel, LEFT, POINTS};
+use sutura_controller::coupling::{A, Coupling, Kernel, POINTS};
 use sutura_controller::lanes::Level;
 use sutura_controller::lattice::{Balance, Field, Lattice, Tissue, at};
 use sutura_controller::law::Material;
@@ -282,10 +282,10 @@ impl Hold {
         let mut coupling = Coupling::default();
         let mut kernel = Kernel::default();
         self.nodes.iter().for_each(|(node, w)| kernel.push(*node as u32, *w));
-        coupling.kernels[LEFT] = kernel;
-        let predicted = kernel.gather(&tissue.displacement) + predict(&coupling, tissue)[LEFT];
-        coupling.force[LEFT] = (self.anchor - predicted) * self.stiffness;
-        coupling.stiffness[LEFT][LEFT] = Mat3::identity() * self.stiffness;
+        coupling.kernels[A] = kernel;
+        let predicted = kernel.gather(&tissue.displacement) + predict(&coupling, tissue)[A];
+        coupling.force[A] = (self.anchor - predicted) * self.stiffness;
+        coupling.stiffness[A][A] = Mat3::identity() * self.stiffness;
         coupling
     }
 }

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 use sutura_shared::message::{PunctureEvent, Telemetry};
-use sutura_shared::scene::{Site, Stage};
+use sutura_shared::scene::Stage;
 
 use super::watch::Motion;
 
@@ -18,10 +18,7 @@ impl Log {
     #[must_use]
     pub fn punctures(&self) -> Vec<Puncture> {
         let report = |event: &PunctureEvent| Puncture {
-            site: match event.site {
-                Site::Left => "left",
-                Site::Right => "right",
-            },
+            site: event.site.name(),
             stitch: 1,
             tick: event.tick,
             force_n: event.force_n,

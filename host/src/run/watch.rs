@@ -110,7 +110,7 @@ fn motion(rig: &PcRig<'_>, output: &Output) -> Motion {
     let pull = controller.pull();
     let on_needle = output.simulated - pull.direction * pull.tension;
     let tangents = controller.sites().filter_map(|(_, site)| match site {
-        Passage::Ahead | Passage::Passed(_) => None,
+        Passage::Ahead | Passage::Track(_) | Passage::Passed(_) => None,
         Passage::Touch(_) => Some(arc.tip().1),
         Passage::Hole(hole) => Some(arc.nearest(hole.point.place(controller.tissue())).tangent),
     });

@@ -298,7 +298,7 @@ mod tests {
             "bite_mm = 4 ",
             "bite_mm = 9 ",
             "bite_mm",
-            "stitch.bite_mm = 9 is out of range: 0.5 to 5.86",
+            "stitch.bite_mm = 9: a gap of 4.00 mm and two such bites take 29.0 mm of needle",
         ),
         (
             "[30, 60]",
@@ -481,18 +481,53 @@ mod tests {
         assert!(error.contains("effect barrier changes nothing under"), "{error}");
     }
 
+    /// Punctures at 2 + 6 mm from the middle are 8 mm: beyond the 6.30 mm of an SH, within the 9.09 mm of a CT-1.
+    #[test]
+    fn a_bite_beyond_the_needle_is_refused_with_one_that_can() {
+        let error = altered("bite_mm = 4 ", "bite_mm = 6 ").unwrap_err();
+        let remedy = "needle.kind = \"CT-1\" can, or a bite of at most 4.30";
+        assert!(error.starts_with("s.toml:") && error.ends_with(remedy), "{error}");
+        let error = altered("length_mm = 26 ", "length_mm = 9 ").unwrap_err();
+        assert!(error.ends_with(": needle.kind = \"FS-1\" can"), "{error}");
+        assert!(altered("length_mm = 26 ", "length_mm = 26\ngrasp = 0.45 ").is_err());
+    }
+
+    #[test]
+    fn a_needle_has_a_name_or_a_shape() {
+        let shape = "arc_of_circle = 0.5\nlength_mm = 26 ";
+        let named = altered(shape, "kind = \"SH\" ").unwrap();
+        assert_eq!(named.tool, altered(shape, shape).unwrap().tool);
+        for (other, what) in [
+            (
+                "kind = \"SH\"\nlength_mm = 26 ",
+                "[needle] has either kind, or arc_of_circle and length_mm",
+            ),
+            (
+                "length_mm = 26 ",
+                "[needle] has either kind, or arc_of_circle and length_mm",
+            ),
+            (
+                "kind = \"XL\" ",
+                "needle.kind = \"XL\": there are P-3, FS-2, PS-2, FS-1, SH, CT-1",
+            ),
+        ] {
+            let error = altered(shape, other).unwrap_err();
+            assert!(error.contains(what), "{error}");
+        }
+    }
+
     #[test]
     fn a_default_that_does_not_fit_is_asked_for() {
-        // A half circle of 9 mm has R = 2.865 mm: punctures at 0.95 R from the middle, 2 mm of them in the gap, leave a bite of 0.72 mm.
+        // A patch of 12 mm has 4 mm from its middle to the last layer of nodes that move, 2 mm of them in the gap.
         let short = BUILT_IN
-            .replace("length_mm = 26 ", "length_mm = 9 ")
+            .replace("size_mm = [40, ", "size_mm = [12, ")
             .replace("bite_mm = 4 ", "# ");
         let source = Source {
             name: "s.toml".into(),
             text: short,
         };
         let error = check(&source, &source.parse().unwrap()).unwrap_err().to_string();
-        let what = "s.toml:1: key stitch.bite_mm is missing, and its default 4 is out of range here: 0.5 to 0.72";
+        let what = "s.toml:1: key stitch.bite_mm is missing, and its default 4 is out of range here: 0.5 to 2";
         assert!(error.starts_with(what), "{error}");
     }
 

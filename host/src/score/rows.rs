@@ -13,14 +13,14 @@ const DT: f64 = 1e-3;
 /// Ticks before the knot over which a tension counts as held.
 const HELD: usize = 200;
 /// Where the needle goes in and where it comes out.
-const SITES: [&str; 2] = ["left", "right"];
+const SITES: [&str; 2] = ["a", "d"];
 
 /// Every row.
 pub(super) fn rows(recording: &Recording) -> Vec<Row> {
     let plan = &recording.plan;
     let has = |effect| plan.effects.has(effect);
     let mut rows = Vec::new();
-    if let (Tool::Needle { radius_m, length_m }, true) = (plan.tool, has(Effect::Puncture)) {
+    if let (Tool::Needle { radius_m, length_m, .. }, true) = (plan.tool, has(Effect::Puncture)) {
         let needle = Needle {
             radius: radius_m.into(),
             length: length_m.into(),

@@ -123,8 +123,8 @@ fn a_needle_is_held_to_its_arc_and_to_its_bite() {
                 ..STILL
             });
             match n {
-                0 => recording.puncture(1, "left", [-half, 0.0, 0.0]),
-                1000 => recording.puncture(1, "right", [half, 0.0, 0.0]),
+                0 => recording.puncture(1, "a", [-half, 0.0, 0.0]),
+                1000 => recording.puncture(1, "d", [half, 0.0, 0.0]),
                 _ => {}
             }
         }
@@ -188,12 +188,12 @@ fn several_stitches_have_a_spacing_and_share_a_rows_points() {
     let mut recording = Recording::default();
     for (stitch, y) in [(1, -0.006), (2, 0.0), (3, 0.004)] {
         recording.tick(&STILL);
-        recording.puncture(stitch, "left", [-0.006, y, 0.0]);
+        recording.puncture(stitch, "a", [-0.006, y, 0.0]);
         recording.tick(&STILL);
-        recording.puncture(stitch, "right", [0.006, y, 0.0]);
+        recording.puncture(stitch, "d", [0.006, y, 0.0]);
     }
     recording.tick(&STILL);
-    recording.puncture(3, "right", [0.005, 0.004, 0.0]);
+    recording.puncture(3, "d", [0.005, 0.004, 0.0]);
     let score = recording.scored();
     // 6 and 4 mm: 5 ± 1.
     near(&score, "spacing", 5.0, 1e-9);
@@ -264,7 +264,7 @@ fn a_run_and_its_folder_are_scored_alike() {
 fn a_folder_that_is_no_whole_run_is_refused_in_one_line() {
     let mut recording = Recording::default();
     (0..9).for_each(|_| recording.tick(&STILL));
-    recording.puncture(1, "left", [0.0; 3]);
+    recording.puncture(1, "a", [0.0; 3]);
     let cut = |text: &str, bytes: usize| text[..text.len() - bytes].to_owned();
     let line = |text: &str| text[..text.trim_end().rfind('\n').unwrap() + 1].to_owned();
     type Damage<'a> = &'a dyn Fn(&str) -> Option<String>;

@@ -144,10 +144,14 @@ impl Topology {
                 verts: Some(groups([[0]])),
                 ..points(&[pose.position], vec![scalars("radius_m", vec![radius_m])])
             }),
-            Tool::Needle { radius_m, length_m } => {
+            Tool::Needle {
+                radius_m,
+                length_m,
+                grasp_m,
+            } => {
                 let from_tip: Vec<_> = (0..=STROKES).map(|n| length_m * n as f32 / STROKES as f32).collect();
                 let place = |from_tip: &f32| {
-                    let angle = (length_m * 2.0 / 3.0 - from_tip) / radius_m;
+                    let angle = (length_m - grasp_m - from_tip) / radius_m;
                     pose.point(Vec3::new(angle.cos() - 1.0, angle.sin(), 0.0) * radius_m)
                 };
                 let places: Vec<_> = from_tip.iter().map(place).collect();
