@@ -83,8 +83,14 @@ pub struct Balance {
     pub elastic: f32,
     /// 1 where `elastic` is that of the present displacement, 0 where it has to be found.
     pub known: u32,
-    /// How much shorter than solved for the next step is, since one before it gained energy: 1/(1 + this) of it.
+    /// How much shorter than solved for the next step is, since one before it gained energy: 1/(1 + this) of it; to [`Self::CAUTION_MAX`].
     pub caution: f32,
+}
+
+impl Balance {
+    /// Steps are then a thousandth of what was solved for: if such a one still gains energy, what is solved is no longer the tissue, and that is a
+    /// fault.
+    pub const CAUTION_MAX: f32 = 1023.0;
 }
 
 impl<const N: usize> Lattice<N> {

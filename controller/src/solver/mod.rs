@@ -90,9 +90,9 @@ pub struct Work<const N: usize> {
     axial: [Field<N>; DIRECTIONS],
     /// Transverse stiffness T/l ≥ 0 by direction [N/m].
     transverse: [[f32; N]; DIRECTIONS],
-    /// A voxel's faces C_i over a² times √(U″ a)/4, by axis i and the voxel's lowest corner [√(N/m)]; used where voxels keep their volume.
+    /// A voxel's faces C_i over a² times √(U″ a)/4, by axis i and the voxel's lowest corner [√(N/m)]; used where voxels have an energy.
     growth: [Field<N>; 3],
-    /// |p| a/32 of voxels [N/m]; used where voxels keep their volume.
+    /// |p| a/32 of voxels [N/m]; used where voxels have an energy.
     pressure: [f32; N],
     /// Stiffness of the wound's pairs that meet, zero for the others [N/m].
     contact: [f32; PAIRS_MAX],

@@ -39,7 +39,8 @@ pub(super) fn restrain<L: Lanes, const N: usize>(
     for at in blocks::<L, N>(lattice.len()) {
         let [x, y, z] = lanes.vector(&work.step, at);
         let square = x * x + y * y + z * z;
-        let shorter = one - lanes.splat(far) / lanes.root(lanes.larger(square, least));
+        // A square that is not finite stays so: a step beyond all numbers is a fault, not a short one.
+        let shorter = one - lanes.splat(far) / lanes.root(lanes.larger(square, least)) + (square - square);
         let free = lanes.load(&lattice.free, at);
         let keep = one - lanes.where_positive(free, shorter);
         let keep = keep * (one - lanes.where_positive(free, lanes.splat(1.0 - part)));

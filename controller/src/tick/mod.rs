@@ -89,7 +89,11 @@ impl<'m, const N: usize> Controller<'m, N> {
         for field in [&mut tissue.displacement, &mut tissue.velocity, load] {
             field.iter_mut().for_each(|c| c.fill(0.0));
         }
-        tissue.balance = Balance::default();
+        // At rest nothing is held.
+        tissue.balance = Balance {
+            known: 1,
+            ..Balance::default()
+        };
         work.clear();
         let alone = Problem {
             lattice,
@@ -147,7 +151,8 @@ impl<'m, const N: usize> Controller<'m, N> {
         let problem = params.problem(lattice, &coupling, self.level);
         let moved = params.solver.advance(&problem, load, tissue, work);
         let finite = moved.into_iter().all(finite) && solver::is_finite(self.level, lattice.len(), tissue);
-        state.faults = state.faults.with(Fault::State, !finite);
+        let stuck = tissue.balance.caution >= Balance::CAUTION_MAX;
+        state.faults = state.faults.with(Fault::State, !finite || stuck);
 
         // force
         let grip = needle::settle(&params.needle, &mut state.needle, &arc, (&holds, &moved), tissue);

@@ -461,6 +461,8 @@ mod tests {
             check(&source, &source.parse().unwrap()).map(|_| ())
         };
         assert!(stiff("2666", "1").is_ok() && stiff("1333", "2").is_ok());
+        let error = stiff("800", "-1").unwrap_err().to_string();
+        assert!(error.contains("output.scale"), "{error}");
         let error = stiff("1334", "2").unwrap_err().to_string();
         let expected = "contact.coupling_n_per_m = 1334 at output.scale = 2 is more than the device's friction and encoders bear: at most 1333";
         assert!(error.ends_with(expected), "{error}");

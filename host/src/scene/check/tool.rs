@@ -107,11 +107,11 @@ impl Keys<'_> {
     fn coupling(&self, file: &File) -> Result<f64, Error> {
         let coupling = &file.contact.coupling_n_per_m;
         let stiffness = self.source.number("contact.coupling_n_per_m", coupling, [1.0, 1e5])?;
-        let scale = *file.output.scale.get_ref();
-        let most = f64::from(BEARS) / scale;
+        let scale = self.output(&file.output)?.scale;
+        let most = (f64::from(BEARS) / f64::from(scale)).floor();
         if stiffness > most {
             let what = format!(
-                "contact.coupling_n_per_m = {stiffness} at output.scale = {scale} is more than the device's friction and encoders bear: at most {most:.0}"
+                "contact.coupling_n_per_m = {stiffness} at output.scale = {scale} is more than the device's friction and encoders bear: at most {most}"
             );
             return Err(self.source.fault(coupling.span(), what));
         }

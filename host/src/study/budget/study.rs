@@ -30,6 +30,7 @@ pub struct Request {
 pub fn run(request: &Request, interrupted: &AtomicBool) -> Result<Table, Error> {
     let draft = Draft::open(request.scene.as_deref(), &[])?;
     let built = build::build(&draft.plan()?, NODES_MAX)?;
+    run::files::folder(&request.out)?;
     let table = choice::run(
         &choice::Request {
             draft: &draft,
