@@ -124,6 +124,7 @@ fn an_effect_that_is_off_costs_ten_instructions_a_tick_at_most() {
         Effect::ThreadContact,
         Effect::WoundContact,
         Effect::Passivity,
+        Effect::SkinTension,
     ];
     for (scene, cells) in SIZES.map(stitch) {
         for effect in effects {
@@ -242,6 +243,7 @@ fn the_study_ends_with_json_and_its_files() {
             "thread-contact",
             "wound-contact",
             "barrier",
+            "skin-tension",
         ];
         let name = row["effect"].as_str().unwrap();
         assert_eq!(row["on"], !off.contains(&name), "{name}");
