@@ -23,6 +23,7 @@ fn weakest() -> scene::Hand {
         mass_kg: 0.1,
         damping_n_s_per_m: 2.0,
         stiffness_n_per_m: 100.0,
+        tremor: None,
         start: pose([0.0; 3]),
         steps: Vec::new(),
     }
