@@ -22,8 +22,14 @@ fn sewn(skill: usize, seed: u32) -> Report {
 fn runs() -> &'static [[Report; 3]] {
     static RUNS: OnceLock<Vec<[Report; 3]>> = OnceLock::new();
     RUNS.get_or_init(|| {
-        let seeds = if sutura_tests::full("operators with every seed") { ALL } else { FEW };
-        (0..seeds).map(|seed| [0, 1, 2].map(|skill| sewn(skill, seed))).collect()
+        let seeds = if sutura_tests::full("operators with every seed") {
+            ALL
+        } else {
+            FEW
+        };
+        (0..seeds)
+            .map(|seed| [0, 1, 2].map(|skill| sewn(skill, seed)))
+            .collect()
     })
 }
 

@@ -252,6 +252,33 @@ fn the_script_is_in_the_patch_frame() {
     assert!((patch_from_stylus.rotation - crate::math::Mat3::identity()).abs().max() < 5e-3);
 }
 
+/// A hand of 100 kN/m on some 0.1 kg has its resonance at 160 Hz: at 2 Hz the tip follows within (2/160)², and stiction hides 0.06 N over it, 0.6 µm.
+#[test]
+fn the_tip_trembles_along_the_patchs_axes() {
+    let half = core::f32::consts::FRAC_1_SQRT_2;
+    let mut device = device();
+    // Patch x, y, z are the device's x, −z, y.
+    device.patch_from_device.quaternion = [half, half, 0.0, 0.0];
+    let mut hand = nominal();
+    (hand.stiffness_n_per_m, hand.damping_n_s_per_m) = (1e5, 100.0);
+    hand.tremor = Some(Tremor {
+        amplitude_m: 1e-3,
+        frequency_hz: 2.0,
+        phases_rad: [0.0, 1.0, 2.0],
+    });
+    let mut arm = Simulated::new(&device, &hand).unwrap();
+    for tick in 1..=1500_u32 {
+        arm.actuate(&Output {
+            tick,
+            ..output(safety::LimitedForce::default())
+        });
+        let angle = core::f32::consts::TAU * 2.0 * (tick as f32 * 1e-3);
+        let [x, y, z] = [0.0, 1.0, 2.0].map(|phase| 1e-3 * libm::sinf(angle + phase));
+        let off = length(arm.tip() - Vec3::new(x, z, -y));
+        assert!(tick < 200 || off < 10e-6, "{tick}: {off}");
+    }
+}
+
 #[test]
 fn the_hand_feels_the_rendered_force() {
     // At rest the spring carries it: x = F/k, within the stiction of 0.01 N·m over 0.17 m.
