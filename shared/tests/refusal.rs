@@ -312,6 +312,10 @@ fn scenes_name_the_value_that_is_wrong() {
         field(|it| it.hand.as_mut().unwrap().steps[0].ticks = 0),
         "hand.steps.ticks"
     );
+}
+
+#[test]
+fn a_tremor_that_no_hand_has_names_its_field() {
     let tremor = |change: fn(&mut Tremor)| {
         let mut scene = samples::full_scene();
         change(scene.hand.as_mut().unwrap().tremor.as_mut().unwrap());
