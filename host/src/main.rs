@@ -12,6 +12,7 @@ use clap::{ArgGroup, Args, Parser, Subcommand};
 use indicatif::{ProgressBar, ProgressStyle};
 use sutura::geometry::units::Units;
 use sutura::run::vtk::Frames;
+use sutura::scene::skill::{Person, Skill};
 use sutura::voxelize::{self, Resolution};
 use sutura::{run, scene};
 use sutura_controller::lanes::Level;
@@ -63,6 +64,12 @@ struct RunArgs {
     /// Another mesh for a tissue of the scene; may be given several times.
     #[arg(long, value_name = "TISSUE=PATH", value_parser = mesh)]
     mesh: Vec<(String, PathBuf)>,
+    /// Sewn by a hand of this skill instead of the script's own: expert, novice or clumsy.
+    #[arg(long, value_name = "SKILL", value_parser = Skill::named)]
+    operator: Option<&'static Skill>,
+    /// Which hand of that skill: the same number, the same hand. Without it 0.
+    #[arg(long, value_name = "N", requires = "operator")]
+    seed: Option<u32>,
     /// Without a window.
     #[arg(long)]
     headless: bool,
@@ -152,6 +159,10 @@ fn run_scene(args: RunArgs) -> ExitCode {
     let request = run::Request {
         scene: args.scene,
         meshes: args.mesh,
+        person: args.operator.map(|skill| Person {
+            skill,
+            seed: args.seed.unwrap_or_default(),
+        }),
         seconds: args.seconds,
         realtime: args.realtime,
         level: args.simd.unwrap_or_else(Level::best),

@@ -22,6 +22,7 @@ use crate::link::LinkError;
 use crate::scene;
 use crate::scene::build;
 use crate::scene::draft::{Draft, Key};
+use crate::scene::skill::Person;
 use crate::score;
 use crate::study::block;
 use crate::voxelize::Springs;
@@ -40,7 +41,11 @@ pub(crate) const AFTER: u32 = 1_500;
 /// # Errors
 /// See [`Error`].
 pub fn run(request: &Request, interrupted: &AtomicBool, progress: impl FnMut(&Telemetry)) -> Result<Report, Error> {
-    let draft = Draft::open(request.scene.as_deref(), &request.meshes)?;
+    let scene = Draft::open(request.scene.as_deref(), &request.meshes)?;
+    let draft = match request.person {
+        Some(person) => scene.sewn_by(person)?,
+        None => scene,
+    };
     let plan = draft.plan()?;
     let mut built = build::build(&plan, embedded::NODES_MAX).map_err(|error| refused(&draft, error))?;
     for warning in &built.warnings {
@@ -72,6 +77,7 @@ pub fn run(request: &Request, interrupted: &AtomicBool, progress: impl FnMut(&Te
         stuck(&session.log)?;
     }
     let report = Report {
+        person: plan.person,
         auto,
         score: Some(score),
         ..report(request, &built, session)
@@ -143,6 +149,7 @@ fn report(request: &Request, built: &build::Built, session: Session) -> Report {
         effects: names(built, true),
         effects_off: names(built, false),
         solver: built.scene.solver.to_string(),
+        person: None,
         auto: None,
         score: None,
         ticks,
@@ -184,6 +191,8 @@ pub struct Request {
     pub scene: Option<PathBuf>,
     /// Other meshes for its tissues.
     pub meshes: Vec<(String, PathBuf)>,
+    /// Whose hand sews; none is as the scene says.
+    pub person: Option<Person>,
     /// Where to stop, if before the end [s].
     pub seconds: Option<f64>,
     /// Whether a second of the simulation takes a second.

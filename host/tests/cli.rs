@@ -190,6 +190,61 @@ fn a_choice_by_a_clock_is_recorded_and_repeats_from_the_copy() {
     refused(&output, "another --out is right");
 }
 
+/// Whose hand it was stands in the report and in the copy of the scene, and running the copy gives the same bits.
+#[test]
+fn a_hand_of_a_skill_is_recorded_and_repeats_from_the_copy() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = |arguments: &[&str], out: &str| -> serde_json::Value {
+        let common = ["run", "--json", "--seconds", "0.03", "--out", out];
+        let output = sutura(folder.path(), &[&common[..], arguments].concat());
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        serde_json::from_slice(&output.stdout).unwrap()
+    };
+    let novice = run(&["--operator", "novice", "--seed", "3"], "novice");
+    assert_eq!((&novice["operator"], &novice["seed"]), (&"novice".into(), &3.into()));
+    let again = run(&["novice/scene.toml"], "again");
+    for key in ["operator", "seed", "state_hash"] {
+        assert_eq!(novice[key], again[key], "{key}");
+    }
+    let copy = |out: &str| std::fs::read_to_string(folder.path().join(out).join("scene.toml")).unwrap();
+    assert!(copy("novice").ends_with("\n[skill]\nname = \"novice\"\nseed = 3\n"));
+    assert_eq!(copy("novice"), copy("again"));
+    // Another hand in the place of the scene's; without a number the first of its skill.
+    let expert = run(&["novice/scene.toml", "--operator", "expert"], "expert");
+    assert_eq!((&expert["operator"], &expert["seed"]), (&"expert".into(), &0.into()));
+    let script = run(&[], "script");
+    assert!(script.get("operator").is_none() && script.get("seed").is_none());
+    assert!(novice["state_hash"] != expert["state_hash"] && expert["state_hash"] != script["state_hash"]);
+}
+
+#[test]
+fn a_hand_with_nothing_to_sew_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let touch = include_str!("../scenes/touch.toml");
+    std::fs::write(folder.path().join("touch.toml"), touch).unwrap();
+    let skill = "\n[skill]\nname = \"expert\"\nseed = 1\n";
+    std::fs::write(folder.path().join("skill.toml"), touch.to_owned() + skill).unwrap();
+    let master = sutura::scene::BUILT_IN.to_owned() + &skill.replace("expert", "master");
+    std::fs::write(folder.path().join("master.toml"), master).unwrap();
+    for (arguments, what) in [
+        (
+            &["touch.toml", "--operator", "expert"][..],
+            "--operator expert: touch.toml has no stitch to sew",
+        ),
+        (&["skill.toml"], "section [skill] needs effect puncture"),
+        (
+            &["master.toml"],
+            "skill.name = \"master\": there are expert, novice, clumsy",
+        ),
+        (&["--operator", "master"], "there are expert, novice, clumsy"),
+        (&["--operator", "expert", "--seed", "-1"], "-1"),
+        (&["--seed", "1"], "--operator <SKILL>"),
+    ] {
+        refused(&sutura(folder.path(), &[&["run"], arguments].concat()), what);
+    }
+    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 3);
+}
+
 #[test]
 fn a_poke_may_leave_its_solver_to_a_clock() {
     let folder = tempfile::tempdir().unwrap();

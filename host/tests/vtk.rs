@@ -293,6 +293,7 @@ fn an_interrupted_run_leaves_no_frame() {
     let request = Request {
         scene: None,
         meshes: Vec::new(),
+        person: None,
         seconds: Some(1.0),
         realtime: false,
         level: Level::best(),

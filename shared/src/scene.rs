@@ -13,7 +13,7 @@ mod law;
 mod solver;
 mod validate;
 
-pub use hand::{Hand, Motion, STEPS_MAX, Step, Until};
+pub use hand::{Hand, Motion, STEPS_MAX, Step, Tremor, Until};
 pub use law::{Assembly, Law, NoAssembly, NoLaw, POISSON};
 pub use solver::{NoSolver, Solver};
 

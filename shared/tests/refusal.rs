@@ -315,6 +315,21 @@ fn scenes_name_the_value_that_is_wrong() {
 }
 
 #[test]
+fn a_tremor_that_no_hand_has_names_its_field() {
+    let tremor = |change: fn(&mut Tremor)| {
+        let mut scene = samples::full_scene();
+        change(scene.hand.as_mut().unwrap().tremor.as_mut().unwrap());
+        scene.validate().unwrap_err().field
+    };
+    assert_eq!(tremor(|it| it.amplitude_m = -1e-4), "hand.tremor.amplitude_m");
+    assert_eq!(tremor(|it| it.amplitude_m = 0.02), "hand.tremor.amplitude_m");
+    assert_eq!(tremor(|it| it.amplitude_m = f32::NAN), "hand.tremor.amplitude_m");
+    assert_eq!(tremor(|it| it.frequency_hz = f32::INFINITY), "hand.tremor.frequency_hz");
+    assert_eq!(tremor(|it| it.frequency_hz = 101.0), "hand.tremor.frequency_hz");
+    assert_eq!(tremor(|it| it.phases_rad[2] = f32::NAN), "hand.tremor.phases_rad");
+}
+
+#[test]
 fn cells_belong_to_the_lattice() {
     let scene = samples::full_scene();
     let mut cells = vec![2; 20 * 15 * 6];

@@ -8,6 +8,7 @@ use sutura::run::report::Report;
 use sutura::run::{self, Error, Request};
 use sutura::scene;
 use sutura::scene::build::{self, Built};
+use sutura::scene::skill::Person;
 use sutura_controller::lanes::Level;
 use sutura_controller::lattice::PC_NODES;
 use sutura_controller::tick::Memory;
@@ -37,10 +38,19 @@ pub fn built(scene: Option<&Path>) -> Result<Built, Error> {
 /// # Errors
 /// As of [`run::run`].
 pub fn run(scene: Option<PathBuf>) -> Result<Report, Error> {
+    sewn(scene, None)
+}
+
+/// The same, sewn by a person.
+///
+/// # Errors
+/// As of [`run::run`].
+pub fn sewn(scene: Option<PathBuf>, person: Option<Person>) -> Result<Report, Error> {
     let out = tempfile::tempdir().map_err(build::Error::Folder)?;
     let request = Request {
         scene,
         meshes: Vec::new(),
+        person,
         seconds: None,
         realtime: false,
         level: Level::best(),

@@ -38,6 +38,7 @@ fn refused_text(text: &str, meshes: &[(&str, PathBuf)]) -> String {
     let request = Request {
         scene: Some(scene),
         meshes,
+        person: None,
         seconds: Some(0.01),
         realtime: false,
         level: Level::best(),

@@ -6,6 +6,7 @@ use serde::Serialize;
 use sutura_controller::effects::TABLE;
 
 use super::log::{Change, Peaks, Puncture, StageSpan};
+use crate::scene::skill::Person;
 use crate::score::Score;
 use crate::study::budget::Auto;
 use crate::voxelize::Springs;
@@ -19,6 +20,9 @@ impl Display for Report {
             "{} voxels, {} nodes, {} edge springs, {} body diagonals; solver {}",
             self.voxels, self.nodes, self.springs.edge, self.springs.body_diagonal, self.solver
         )?;
+        if let Some(Person { skill, seed }) = &self.person {
+            writeln!(f, "sewn by a hand of skill {}, seed {seed}", skill.name)?;
+        }
         if let Some(auto) = &self.auto {
             writeln!(f, "the solver was chosen {auto}")?;
         }
@@ -127,6 +131,9 @@ pub struct Report {
     pub effects_off: Vec<&'static str>,
     /// How the tissue was advanced.
     pub solver: String,
+    /// Whose hand sewed, as `operator` and `seed`, where it was not the script's own.
+    #[serde(flatten)]
+    pub person: Option<Person>,
     /// What it was chosen by, where a clock chose it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub auto: Option<Auto>,

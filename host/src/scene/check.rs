@@ -42,6 +42,7 @@ pub fn check(source: &Source, file: &File) -> Result<Plan, Error> {
         profile: file.device.profile,
         hand: keys.hand(&file.hand)?,
         operator: keys.operator(file)?,
+        person: keys.person(file)?,
     })
 }
 

@@ -12,6 +12,7 @@ use sutura_shared::scene::{Effect, Solver};
 use toml::Spanned;
 
 use super::file::File;
+use super::skill::Person;
 use super::source::{Error, Source};
 use super::{BUILT_IN, Plan, check, replace_meshes};
 
@@ -35,6 +36,8 @@ pub enum Change {
     Pitch(f64),
     /// `contact.kernel_mm` [mm]
     Kernel(f64),
+    /// `[skill]`
+    Person(Person),
 }
 
 /// A key that the scene as a whole may be refused for.
@@ -102,17 +105,42 @@ impl Draft {
         self.source.fault(at.unwrap_or(0..0), what)
     }
 
+    /// The draft sewn by this person.
+    ///
+    /// # Errors
+    /// [`Error::NoStitch`], or something in the file is wrong.
+    pub fn sewn_by(&self, person: Person) -> Result<Self, Error> {
+        if self.plan()?.stitch.is_none() {
+            return Err(Error::NoStitch {
+                skill: person.skill.name,
+                file: self.source.name.clone(),
+            });
+        }
+        self.with(&[Change::Person(person)])
+    }
+
     /// The draft with other values.
     ///
     /// # Errors
     /// The text is no scene.
     pub fn with(&self, changes: &[Change]) -> Result<Self, Error> {
         let keys: Keys = self.source.parse()?;
-        let edits = changes.iter().map(|change| match *change {
-            Change::Solver(solver) => (keys.solver.span(), string(&solver.to_string())),
-            Change::Size(size) => (keys.patch.size_mm.span(), format!("{size:?}")),
-            Change::Pitch(pitch) => (keys.patch.pitch_mm.span(), format!("{pitch:?}")),
-            Change::Kernel(kernel) => (keys.contact.kernel_mm.span(), format!("{kernel:?}")),
+        let end = self.source.text.len()..self.source.text.len();
+        let edits = changes.iter().flat_map(|change| match *change {
+            Change::Solver(solver) => vec![(keys.solver.span(), string(&solver.to_string()))],
+            Change::Size(size) => vec![(keys.patch.size_mm.span(), format!("{size:?}"))],
+            Change::Pitch(pitch) => vec![(keys.patch.pitch_mm.span(), format!("{pitch:?}"))],
+            Change::Kernel(kernel) => vec![(keys.contact.kernel_mm.span(), format!("{kernel:?}"))],
+            Change::Person(Person { skill, seed }) => match &keys.skill {
+                Some(keys) => vec![
+                    (keys.name.span(), string(skill.name)),
+                    (keys.seed.span(), seed.to_string()),
+                ],
+                None => vec![(
+                    end.clone(),
+                    format!("\n[skill]\nname = {}\nseed = {seed}\n", string(skill.name)),
+                )],
+            },
         });
         let mut draft = self.clone();
         draft.source.text = edited(&self.source.text, edits.collect());
@@ -157,6 +185,13 @@ struct Keys {
     patch: Patch,
     contact: Contact,
     tissue: Vec<Tissue>,
+    skill: Option<Skill>,
+}
+
+#[derive(Deserialize)]
+struct Skill {
+    name: Spanned<String>,
+    seed: Spanned<u32>,
 }
 
 #[derive(Deserialize)]
@@ -234,6 +269,21 @@ mod tests {
         let (before, after) = (lines(BUILT_IN), lines(&draft.source.text));
         let changed = before.iter().zip(&after).filter(|(before, after)| before != after);
         assert_eq!((before.len(), changed.count()), (after.len(), 4));
+    }
+
+    #[test]
+    fn a_person_is_added_at_the_end_or_takes_anothers_place() {
+        let person = |name, seed| Person {
+            skill: crate::scene::skill::Skill::named(name).unwrap(),
+            seed,
+        };
+        let first = built_in().sewn_by(person("novice", 7)).unwrap();
+        assert_eq!(first.plan().unwrap().person, Some(person("novice", 7)));
+        let added = format!("{BUILT_IN}\n[skill]\nname = \"novice\"\nseed = 7\n");
+        assert_eq!(first.source.text, added);
+        let second = first.sewn_by(person("expert", u32::MAX)).unwrap();
+        assert_eq!(second.plan().unwrap().person, Some(person("expert", u32::MAX)));
+        assert_eq!(first.source.text.lines().count(), second.source.text.lines().count());
     }
 
     #[test]

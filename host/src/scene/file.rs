@@ -48,6 +48,8 @@ pub struct File {
     pub hand: Hand,
     /// What the hand does.
     pub operator: Spanned<Operator>,
+    /// Whose hand sews; the script's own where it is left out.
+    pub skill: Option<Spanned<Skill>>,
 }
 
 /// A generated body.
@@ -272,6 +274,16 @@ pub struct Sew {
     pub tighten_mm_per_s: Option<Number>,
     /// Tension at which the knot is laid; effect `thread`.
     pub tension_n: Option<Number>,
+}
+
+/// `[skill]`: effect `puncture`
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Skill {
+    /// Its name.
+    pub name: Spanned<String>,
+    /// What distinguishes the hand from others of this skill.
+    pub seed: u32,
 }
 
 /// `[operator.touch]`

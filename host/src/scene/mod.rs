@@ -8,6 +8,7 @@
 //! | [`plan`] | the checked scene |
 //! | [`needle`] | needles by name, and what one can sew |
 //! | [`operator`] | the hand's script |
+//! | [`skill`] | whose hand it is: how far what it does lies from the script |
 //! | [`reach`] | whether the simulated arm can follow it |
 //! | [`build`] | the patch and the record for the controller |
 //! | [`setting`] | a solver by name, or by the time it may take |
@@ -22,6 +23,7 @@ pub mod operator;
 pub mod plan;
 pub mod reach;
 pub mod setting;
+pub mod skill;
 pub mod source;
 
 use std::path::{Path, PathBuf};

@@ -3,14 +3,17 @@
 //! Patch frame: x across the wound from left to right, y along it, z outward. The needle's arc lies in its xy-plane, its centre is o, and the
 //! grasp is o + R x̂, where the driver holds it: the tip is as far ahead as the arc between them. Sewing from left to
 //! right the needle's ẑ is −ŷ of the patch, and ψ, the angle of the grasp from x towards z, grows as the needle advances:
-//! grasp(ψ) = o + R (cos ψ, 0, sin ψ). The nominal circle passes both punctures: o = (0, 0, √(R² − d²)), d half their distance.
+//! grasp(ψ) = o + R (cos ψ, 0, sin ψ). The nominal circle passes both punctures: o is √(R² − d²) above their middle, d half their distance.
+//! A person may hold the needle off that circle at the entry, and turn it about another point than o: [`Led`].
 
 use std::f64::consts::PI;
 
 use nalgebra::{Isometry3, Matrix3, Rotation3, Translation3, UnitQuaternion, Vector3};
-use sutura_shared::scene::{Hand, Motion, Pose, STEPS_MAX, Site, Stage, Step, Until};
+use sutura_shared::scene::{Hand, Motion, Pose, STEPS_MAX, Site, Stage, Step, Tremor, Until};
 
+use super::needle::Needle;
 use super::plan;
+use super::skill::Manner;
 
 /// Height of the start above the skin [m].
 const START: f64 = 0.040;
@@ -43,8 +46,16 @@ impl Operator {
             mass_kg: hand.mass_kg,
             damping_n_s_per_m: hand.damping_n_s_per_m,
             stiffness_n_per_m: hand.stiffness_n_per_m,
+            tremor: self.tremor(),
             start: record(&start),
             steps,
+        }
+    }
+
+    const fn tremor(&self) -> Option<Tremor> {
+        match self {
+            Self::Sew(sew) => sew.manner.tremor,
+            Self::Touch(_) => None,
         }
     }
 }
@@ -52,20 +63,19 @@ impl Operator {
 impl Sew {
     /// Start pose and steps of one stitch.
     fn script(&self, place: &Place) -> (Isometry3<f64>, Steps) {
-        let circle = Circle::through(place);
-        let entry = circle.with_tip_at_a();
-        let tangent = circle.tangent_at_a();
-        let short = shifted(&circle.grasp(entry), -SHORT * tangent);
+        let Manner { pace, pull, .. } = self.manner;
+        let led = Led::by(&self.manner, place);
+        let short = shifted(&led.entry, -SHORT * led.tangent);
         let start = shifted(&short, Vector3::z() * START.max(HANGING * place.thread_m));
-        let driven = circle.grasp(entry + BEYOND / circle.radius);
-        let out = circle.grasp(entry + TURN);
-        let turn = |speed: f64, until| step(circle.turn(TURN), TURN / speed, until);
+        let driven = led.turned(BEYOND / place.radius_m);
+        let out = led.turned(TURN);
+        let turn = |speed: f64, until| step(led.turn(TURN), TURN / (speed * pace), until);
         let mut steps: Steps = [
-            line(&start, &short, self.approach_m_per_s, Until::Elapsed),
+            line(&start, &short, self.approach_m_per_s * pace, Until::Elapsed),
             steady(
                 &short,
-                &shifted(&short, tangent * PUSH),
-                self.insert_m_per_s,
+                &shifted(&short, led.tangent * PUSH),
+                self.insert_m_per_s * pace,
                 Until::Punctured(Site::A),
             ),
             step(Motion::Line { to: record(&driven) }, 0.4, Until::Elapsed),
@@ -76,7 +86,7 @@ impl Sew {
         .into_iter()
         .collect();
         match &self.draw {
-            Some(draw) => steps.extend(draw.script(&out, place)),
+            Some(draw) => steps.extend(draw.by(pace, pull).script(&out, place)),
             None => steps.extend([step(Motion::Hold, 1.0, Until::Elapsed)]),
         }
         (start, steps)
@@ -84,6 +94,15 @@ impl Sew {
 }
 
 impl Draw {
+    /// The same at another pace and with another pull, each over its own.
+    fn by(&self, pace: f64, pull: f64) -> Self {
+        Self {
+            pull_m_per_s: self.pull_m_per_s * pace,
+            tighten_m_per_s: self.tighten_m_per_s * pace,
+            tension_n: self.tension_n * pull,
+        }
+    }
+
     /// Steps from the needle's exit, at `out`, to the knot.
     fn script(&self, out: &Isometry3<f64>, place: &Place) -> [Step; 6] {
         // The thread goes taut at about its own length from the exit, less the way between the punctures.
@@ -163,16 +182,22 @@ struct Circle {
 }
 
 impl Circle {
-    fn through(place: &Place) -> Self {
-        let height = (place.radius_m * place.radius_m - place.half_m * place.half_m)
-            .max(0.0)
-            .sqrt();
+    /// The circle for bites that are longer than the place's by so much; the exit no further from the entry than the needle can.
+    fn through(place: &Place, longer_m: [f64; 2]) -> Self {
+        let needle = Needle {
+            radius_mm: place.radius_m * 1e3,
+            ahead_mm: place.ahead_m * 1e3,
+        };
+        let widest = place.half_m.max(needle.widest_mm() * 1e-3);
+        let [entry, exit] = longer_m.map(|longer| place.half_m + longer);
+        let half = f64::midpoint(entry, exit).min(widest);
+        let height = (place.radius_m * place.radius_m - half * half).max(0.0).sqrt();
         let skin = (place.skin_m[0] + place.skin_m[1]) / 2.0;
         Self {
-            centre: Vector3::new(0.0, 0.0, skin + height),
+            centre: Vector3::new(half - entry, 0.0, skin + height),
             radius: place.radius_m,
             tip: place.ahead_m / place.radius_m,
-            half: place.half_m,
+            half,
         }
     }
 
@@ -198,6 +223,37 @@ impl Circle {
             rotation,
         )
     }
+}
+
+/// The needle as a hand leads it: its tip at the entry, and from there about a centre.
+struct Led {
+    /// With the tip at the entry.
+    entry: Isometry3<f64>,
+    /// Direction of the tip there.
+    tangent: Vector3<f64>,
+    /// What it is turned about.
+    centre: Vector3<f64>,
+}
+
+impl Led {
+    fn by(manner: &Manner, place: &Place) -> Self {
+        let circle = Circle::through(place, manner.bites_m);
+        let [x, z] = manner.centre_m;
+        let flatter = about(
+            circle.centre + circle.radius * direction(circle.a()),
+            manner.flatter_rad,
+        );
+        Self {
+            entry: flatter * circle.grasp(circle.with_tip_at_a()),
+            tangent: flatter * circle.tangent_at_a(),
+            centre: circle.centre + Vector3::new(x, 0.0, z),
+        }
+    }
+
+    /// Turned by `angle` from the entry.
+    fn turned(&self, angle: f64) -> Isometry3<f64> {
+        about(self.centre, angle) * self.entry
+    }
 
     fn turn(&self, angle: f64) -> Motion {
         Motion::Turn {
@@ -206,6 +262,12 @@ impl Circle {
             angle_rad: angle as f32,
         }
     }
+}
+
+/// A turn about a point in the needle's plane, from x towards z.
+fn about(point: Vector3<f64>, angle: f64) -> Isometry3<f64> {
+    let turn = Translation3::from(point) * UnitQuaternion::from_axis_angle(&-Vector3::y_axis(), angle);
+    turn * Translation3::from(-point)
 }
 
 fn direction(angle: f64) -> Vector3<f64> {
@@ -294,6 +356,8 @@ pub struct Sew {
     pub exit_rad_per_s: f64,
     /// How the thread is drawn and tied; nothing without one.
     pub draw: Option<Draw>,
+    /// What the hand does otherwise.
+    pub manner: Manner,
 }
 
 /// How a thread is drawn through the tissue and tied.
@@ -334,6 +398,7 @@ mod tests {
             tighten_m_per_s: 0.012,
             tension_n: 1.0,
         }),
+        manner: Manner::SCRIPT,
     };
     const PLACE: Place = Place {
         skin_m: [0.0; 2],
@@ -352,7 +417,7 @@ mod tests {
 
     #[test]
     fn the_nominal_circle_takes_the_tip_from_site_to_site() {
-        let circle = Circle::through(&PLACE);
+        let circle = Circle::through(&PLACE, [0.0; 2]);
         let entry = circle.with_tip_at_a();
         assert!((tip(&circle.grasp(entry)) - Vector3::new(-0.006, 0.0, 0.0)).norm() < 1e-12);
         // Both sites lie on the circle, so the tip is at the right one after the chord's angle 2·asin(d/R).
@@ -364,14 +429,47 @@ mod tests {
 
     #[test]
     fn turning_about_the_scripts_axis_advances_the_needle() {
-        let circle = Circle::through(&PLACE);
-        let Motion::Turn { centre_m, axis, .. } = circle.turn(TURN) else {
+        let circle = Circle::through(&PLACE, [0.0; 2]);
+        let led = Led::by(&Manner::SCRIPT, &PLACE);
+        let Motion::Turn { centre_m, axis, .. } = led.turn(TURN) else {
             panic!("a turn")
         };
+        let on = circle.grasp(circle.with_tip_at_a() + 0.7);
+        assert!((led.turned(0.7).to_homogeneous() - on.to_homogeneous()).abs().max() < 1e-12);
         let rotation = Rotation3::new(Vector3::from(axis).map(f64::from) * 0.3);
         let turned = circle.centre + rotation * (circle.grasp(1.0).translation.vector - circle.centre);
         assert!((turned - circle.grasp(1.3).translation.vector).norm() < 1e-8);
         assert!((Vector3::from(centre_m).map(f64::from) - circle.centre).norm() < 1e-8);
+    }
+
+    /// A person's tip begins at the entry of that person's bite and, turned about the circle's own centre, comes out at the exit, however the needle
+    /// is held; it is held flatter by as much as it should be.
+    #[test]
+    fn a_person_goes_from_bite_to_bite() {
+        let manner = Manner {
+            flatter_rad: 0.2,
+            bites_m: [-0.5e-3, -1.0e-3],
+            ..Manner::SCRIPT
+        };
+        let led = Led::by(&manner, &PLACE);
+        assert!((tip(&led.entry) - Vector3::new(-0.0055, 0.0, 0.0)).norm() < 1e-12);
+        // Half their distance is 5.25 mm: the chord's angle is 2·asin(5.25/R), the tangent as far below the skin as half of it, less the tilt.
+        let half = (0.005_25 / PLACE.radius_m).asin();
+        assert!((tip(&led.turned(2.0 * half)) - Vector3::new(0.005, 0.0, 0.0)).norm() < 1e-12);
+        assert!((led.tangent.z.asin() + half - 0.2).abs() < 1e-12);
+        // Off by 1 mm and 2 mm, the centre of the turn is where it is asked to be: above the middle of both bites.
+        let off = Led::by(
+            &Manner {
+                centre_m: [1e-3, 2e-3],
+                ..manner
+            },
+            &PLACE,
+        );
+        let above = PLACE.radius_m * half.cos();
+        assert!((off.centre - Vector3::new(-0.000_25 + 1e-3, 0.0, above + 2e-3)).norm() < 1e-12);
+        // A needle that is held at a third bridges 2 · 6.304 mm and no more.
+        let wide = Circle::through(&PLACE, [1e-3; 2]);
+        assert!((wide.half - 6.304e-3).abs() < 1e-6, "{}", wide.half);
     }
 
     #[test]

@@ -5,6 +5,7 @@ use sutura_shared::scene::{Assembly, Contact, Effects, Law, Output, Profile, Sol
 use super::file::{Mesh, Phantom};
 use super::operator::Operator;
 use super::setting::Setting;
+use super::skill::Person;
 
 /// Everything a scene file says.
 #[derive(Clone, Debug)]
@@ -37,6 +38,8 @@ pub struct Plan {
     pub hand: Hand,
     /// What the hand does.
     pub operator: Operator,
+    /// Whose hand it is; none is the script's own.
+    pub person: Option<Person>,
 }
 
 /// The block of tissue.

@@ -109,6 +109,7 @@ mod tests {
                 mass_kg: 0.2,
                 damping_n_s_per_m: 5.0,
                 stiffness_n_per_m: 400.0,
+                tremor: None,
                 start: pose(-half),
                 steps: [Step {
                     motion: Motion::Line { to: pose(half) },

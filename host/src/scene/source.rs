@@ -108,6 +108,16 @@ pub enum Error {
         /// Key, value and what would be right.
         what: String,
     },
+    /// `--operator` where there is nothing to sew.
+    #[error(
+        "--operator {skill}: {file} has no stitch to sew; a scene with effect puncture and [operator.sew] is right"
+    )]
+    NoStitch {
+        /// The skill given.
+        skill: &'static str,
+        /// The scene.
+        file: String,
+    },
     /// `--mesh` names a tissue that the scene has not.
     #[error("--mesh {tissue}={}: the scene has no tissue `{tissue}`, it has {known}", path.display())]
     NoTissue {

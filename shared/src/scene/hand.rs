@@ -16,10 +16,23 @@ pub struct Hand {
     pub damping_n_s_per_m: f32,
     /// Stiffness [N/m].
     pub stiffness_n_per_m: f32,
+    /// How it trembles; none where it is steady.
+    pub tremor: Option<Tremor>,
     /// Where the script begins, pose of the grasp point in the patch frame.
     pub start: Pose,
     /// What it does, one step after the other; the last pose is held.
     pub steps: Vec<Step, STEPS_MAX>,
+}
+
+/// A tremor of the hand's target: a sine along each axis of the patch frame.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Tremor {
+    /// Amplitude of each sine [m].
+    pub amplitude_m: f32,
+    /// Frequency [Hz].
+    pub frequency_hz: f32,
+    /// Phase at tick 0 by axis [rad].
+    pub phases_rad: [f32; 3],
 }
 
 /// One step of the script. A step starts from the pose at which the step before it ended.

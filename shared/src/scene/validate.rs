@@ -2,7 +2,7 @@
 
 use super::{
     Body, Device, Effect, Hand, KERNEL_PITCHES, Lattice, Motion, Output, Pose, Scene, Stitch, Thread, Tissue, Tool,
-    Until, Wound,
+    Tremor, Until, Wound,
 };
 use crate::check::{Invalid, Validate, finite, require};
 use crate::limits::{CELLS_MAX, THREAD_NODES_MAX};
@@ -313,6 +313,7 @@ impl Hand {
         within(self.mass_kg, &(1e-3..=100.0, "1e-3 to 100 kg"), "hand.mass_kg")?;
         within(self.damping_n_s_per_m, &DAMPING, "hand.damping_n_s_per_m")?;
         within(self.stiffness_n_per_m, &STIFFNESS, "hand.stiffness_n_per_m")?;
+        self.tremor.iter().try_for_each(Tremor::validate)?;
         self.start.validate("hand.start")?;
         self.steps.iter().try_for_each(|step| {
             require(
@@ -325,6 +326,26 @@ impl Hand {
             }
             step.motion.validate()
         })
+    }
+}
+
+impl Tremor {
+    fn validate(&self) -> Result<(), Invalid> {
+        within(
+            self.amplitude_m,
+            &(0.0..=0.01, "0 to 0.01 m"),
+            "hand.tremor.amplitude_m",
+        )?;
+        within(
+            self.frequency_hz,
+            &(0.0..=100.0, "0 to 100 Hz"),
+            "hand.tremor.frequency_hz",
+        )?;
+        all_within(
+            &self.phases_rad,
+            &(-100.0..=100.0, "-100 to 100 rad"),
+            "hand.tremor.phases_rad",
+        )
     }
 }
 

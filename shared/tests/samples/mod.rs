@@ -237,6 +237,11 @@ fn hand() -> Hand {
         mass_kg: 0.2,
         damping_n_s_per_m: 5.0,
         stiffness_n_per_m: 400.0,
+        tremor: Some(Tremor {
+            amplitude_m: 1e-4,
+            frequency_hz: 10.0,
+            phases_rad: [0.5, 1.0, 1.5],
+        }),
         start: pose(0.75),
         steps: Vec::from_slice(&steps).unwrap(),
     }

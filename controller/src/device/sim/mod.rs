@@ -8,13 +8,14 @@ pub mod encoder;
 pub mod hand;
 pub mod kinematics;
 pub mod script;
+pub mod tremor;
 
 use crate::device::Device;
 use crate::math::{DT, Pose, Vec3, finite};
 use crate::record::{Output, Sample};
 use heapless::Vec;
 use kinematics::Posture;
-use sutura_shared::scene::{self, STEPS_MAX, Step};
+use sutura_shared::scene::{self, STEPS_MAX, Step, Tremor};
 
 /// Steps of the arm in one tick: 0.1 ms each, short against the arm on a hand or a wall (10 ms and more).
 const SUBSTEPS: u16 = 10;
@@ -53,6 +54,8 @@ impl core::error::Error for Error {}
 pub struct Params {
     /// The hand.
     pub hand: hand::Params,
+    /// How it trembles.
+    pub tremor: Option<Tremor>,
     /// What the hand does, in the patch frame.
     pub steps: Vec<Step, STEPS_MAX>,
     /// From the script's frame to the device's.
@@ -109,6 +112,7 @@ impl Simulated {
                     damping: hand.damping_n_s_per_m,
                     stiffness: hand.stiffness_n_per_m,
                 },
+                tremor: hand.tremor,
                 steps: hand.steps.clone(),
                 device_from_patch,
             },
@@ -145,6 +149,15 @@ impl Simulated {
         let wanted = Pose::from(self.state.script.target);
         self.params.device_from_patch.then(&wanted)
     }
+
+    /// Where the tip would be at `tick` without any force on it, device frame [m].
+    fn place(&self, tick: u32) -> Vec3 {
+        let wanted = self.target().position;
+        match &self.params.tremor {
+            Some(tremor) => wanted + self.params.device_from_patch.rotation * tremor::offset(tremor, tick),
+            None => wanted,
+        }
+    }
 }
 
 impl Device for Simulated {
@@ -162,9 +175,9 @@ impl Device for Simulated {
     }
 
     fn actuate(&mut self, output: &Output) {
-        let from = self.target().position;
+        let from = self.place(output.tick.saturating_sub(1));
         script::advance(&self.params.steps, &mut self.state.script, output);
-        let way = self.target().position - from;
+        let way = self.place(output.tick) - from;
         hold(&self.params.hand, &mut self.state.arm, output.rendered.get(), from, way);
     }
 }

@@ -10,6 +10,7 @@ use crate::scene::file::{self, File, Number};
 use crate::scene::needle::{self, KINDS, Needle};
 use crate::scene::operator::{Draw, Operator, Sew, Touch};
 use crate::scene::plan::Stitch;
+use crate::scene::skill::{Manner, Person, Skill};
 use crate::scene::source::Error;
 
 /// Where a needle is held if the scene does not say: at the third next to its swage (BMC Med Educ 2021, table 3).
@@ -224,6 +225,7 @@ impl Keys<'_> {
                 drive_rad_per_s: number("sew.drive_deg_per_s", &sew.drive_deg_per_s, [1.0, 360.0])?.to_radians(),
                 exit_rad_per_s: number("sew.exit_deg_per_s", &sew.exit_deg_per_s, [1.0, 360.0])?.to_radians(),
                 draw: self.draw(sew)?,
+                manner: self.person(file)?.map_or(Manner::SCRIPT, |person| person.manner()),
             })),
             (file::Operator::Touch(touch), Some(_)) if !pierces => Ok(Operator::Touch(Touch {
                 approach_m_per_s: number("touch.approach_mm_per_s", &touch.approach_mm_per_s, [1.0, 500.0])? * 1e-3,
@@ -236,6 +238,21 @@ impl Keys<'_> {
                 .source
                 .fault(operator.span(), "[operator.touch] needs [ball], and no effect puncture")),
         }
+    }
+
+    /// Whose hand sews.
+    pub(super) fn person(&self, file: &File) -> Result<Option<Person>, Error> {
+        let Some(section) = &file.skill else { return Ok(None) };
+        if !self.effects.has(Effect::Puncture) {
+            return Err(self.needs(section.span(), "section [skill]", Effect::Puncture));
+        }
+        let file::Skill { name, seed } = section.get_ref();
+        let fault = |error| {
+            self.source
+                .fault(name.span(), format!("skill.name = \"{}\": {error}", name.get_ref()))
+        };
+        let skill = Skill::named(name.get_ref()).map_err(fault)?;
+        Ok(Some(Person { skill, seed: *seed }))
     }
 
     /// What the hand does with a thread; nothing without effect `thread`.
