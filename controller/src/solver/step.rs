@@ -40,7 +40,7 @@ pub(super) fn restrain<L: Lanes, const N: usize>(
         let [x, y, z] = lanes.vector(&work.step, at);
         let square = x * x + y * y + z * z;
         // A square that is not finite stays so: a step beyond all numbers is a fault, not a short one.
-        let shorter = one - lanes.splat(far) / lanes.root(lanes.larger(square, least)) + (square - square);
+        let shorter = one - lanes.splat(far) / lanes.root(lanes.larger(square, least)) + square * lanes.splat(0.0);
         let free = lanes.load(&lattice.free, at);
         let keep = one - lanes.where_positive(free, shorter);
         let keep = keep * (one - lanes.where_positive(free, lanes.splat(1.0 - part)));
