@@ -20,7 +20,8 @@ use crate::math::{DT, Vec3};
 /// Energy that a step may gain, over what there was: sums of single numbers are off by about 1e-6 of it, and a fifth of what hard cases are
 /// allowed goes unfelt.
 const RISE: f32 = 2e-4;
-/// The same over the work done on the tissue: a linear solve that is not run to its end misses the force by less.
+/// The same over the work that goes through the points and the load, either way: a linear solve that is not run to its end misses the force by
+/// less.
 const MISSED: f32 = 0.1;
 /// Ends a tick whose solved step `work.step` has the points `moved` from their predicted places: takes what holds of it, and gives how far
 /// the points have then moved.
@@ -43,8 +44,8 @@ pub(super) fn take<L: Lanes, const N: usize>(
     core::array::from_fn(|p| moved[p] + (kept[p] - part[p]))
 }
 
-/// Makes `work.step` nothing where it gains energy that neither `load` [N] at the nodes nor `force` at the points, both as they are at its
-/// end, has put in; gives the balance for the next tick.
+/// Makes `work.step` nothing where it gains energy that neither `load` [N] at the nodes nor the points, with `force` at its end, have put in;
+/// gives the balance for the next tick.
 ///
 /// Whoever moves held nodes works on the tissue unseen: such a step is left as it is.
 #[inline(always)]
@@ -66,10 +67,16 @@ fn keep<L: Lanes, const N: usize>(
     let motion = motion(lanes, problem, load, (tissue, &work.step));
     let [overlap_before, overlap_after] = [&tissue.displacement, &work.place].map(|place| wound(problem, place));
     let moved = problem.coupling.gather(&work.step);
-    let pulled: f32 = moved.iter().zip(force).map(|(moved, force)| moved.dot(force)).sum();
+    // A hold that gives way within the step does between the work of its force at the beginning and of that at the end.
+    let forces = problem.coupling.force.iter().zip(force);
+    let by_point = moved.iter().zip(forces);
+    let [pulled, passed] = by_point.fold([0.0_f32; 2], |[pulled, passed], (moved, (first, last))| {
+        let work = moved.dot(first).max(moved.dot(last));
+        [pulled + work, passed + work.max(-work)]
+    });
     let had = before + overlap_before + motion.before;
     let gained = (after - before) + (overlap_after - overlap_before) + (motion.after - motion.before);
-    let allowed = RISE * had + MISSED * (motion.work.max(-motion.work) + pulled.max(-pulled));
+    let allowed = RISE * had + MISSED * (motion.work.max(-motion.work) + passed);
     if gained - (motion.work + pulled) > allowed && motion.prescribed <= 0.0 {
         for step in &mut work.step {
             step.iter_mut().take(n).for_each(|u| *u = 0.0);
