@@ -83,9 +83,9 @@ pub fn couple<const N: usize>(
     let mut stiffness = Mat3::zeros();
     let mut pull = -state.offset * params.stiffness;
     for (((pin, passage), shaft), slot) in pins.iter_mut().zip(&mut state.sites).zip(shafts).zip(SLOTS) {
-        if let Some(point) = passage.point() {
+        if let (Some(point), Some(kernel)) = (passage.point(), coupling.kernels.get_mut(slot)) {
             // The thread may hold it where the needle does not.
-            coupling.kernels[slot] = point.kernel;
+            *kernel = point.kernel;
         }
         *pin = match passage {
             Passage::Ahead | Passage::Track(_) | Passage::Passed(_) => continue,
@@ -102,10 +102,15 @@ pub fn couple<const N: usize>(
     let own = Mat3::identity() * (params.stiffness + params.rate);
     let yields = (own + stiffness).try_inverse().unwrap_or_default();
     for (pin, p) in pins.iter().zip(SLOTS) {
-        coupling.force[p] += pin.force + pin.stiffness * (yields * pull);
-        coupling.stiffness[p][p] += pin.stiffness;
+        let (Some(force), Some(row)) = (coupling.force.get_mut(p), coupling.stiffness.get_mut(p)) else {
+            continue;
+        };
+        *force += pin.force + pin.stiffness * (yields * pull);
         for (other, q) in pins.iter().zip(SLOTS) {
-            coupling.stiffness[p][q] -= pin.stiffness * yields * other.stiffness;
+            if let Some(block) = row.get_mut(q) {
+                let own = if p == q { pin.stiffness } else { Mat3::zeros() };
+                *block = (*block + own) - pin.stiffness * yields * other.stiffness;
+            }
         }
     }
     Holds {
