@@ -184,16 +184,14 @@ fn every_key_of_the_built_in_scene_acts() {
 #[test]
 fn the_devices_limits_act_on_a_force_larger_than_life() {
     let mut scene: Table = BUILT_IN.parse().unwrap();
-    // The most that friction and encoders bear of 800 N/m.
-    *at(&mut scene, "output.scale") = 3.3.into();
+    *at(&mut scene, "output.scale") = 3.3.into(); // The most that friction and encoders bear of 800 N/m.
     walk("large", &scene, |path| path == "device.profile");
 }
 
 #[test]
 fn every_key_of_touching_acts() {
     let mut scene: Table = TOUCH.parse().unwrap();
-    // A force that lags gives out energy as the ball is lifted off, which is what passivity damps.
-    *at(&mut scene, "output.slew_n_per_tick") = 0.002.into();
+    *at(&mut scene, "output.slew_n_per_tick") = 0.002.into(); // A force that lags gives out energy as the ball is lifted off.
     *at(&mut scene, "patch.law") = "volume".into();
     let patch = scene.get_mut("patch").unwrap().as_table_mut().unwrap();
     patch.insert("poisson".to_owned(), 0.4.into());
