@@ -4,7 +4,7 @@
 //! grasp is o + R x̂, where the driver holds it: the tip is as far ahead as the arc between them. Sewing from left to
 //! right the needle's ẑ is −ŷ of the patch, and ψ, the angle of the grasp from x towards z, grows as the needle advances:
 //! grasp(ψ) = o + R (cos ψ, 0, sin ψ). The nominal circle passes both punctures: o is √(R² − d²) above their middle, d half their distance.
-//! A person may hold the needle off that circle at the entry, and turn it about another point than o: [`Led`].
+//! A person may hold the needle off that circle at the entry, and turn it about another point than o: `Led`.
 
 use std::f64::consts::PI;
 
