@@ -277,7 +277,7 @@ pub mod key {
     /// Force of the cutting tip.
     pub const CUTTING: Key = key(Effect::ShaftFriction, "stitch.cutting_n", "N", [0.0, 5.0], &[0.2]);
     /// Length of the thread; two links at least, and no more than the controller holds.
-    pub const LENGTH: Key = key(Effect::Thread, "thread.length_mm", "mm", [4.0, 1260.0], &[115.0]);
+    pub const LENGTH: Key = key(Effect::Thread, "thread.length_mm", "mm", [4.0, 5100.0], &[115.0]);
     /// Length of one link; an eyelet has room for one node at a time.
     pub const LINK: Key = key(Effect::Thread, "thread.link_mm", "mm", [2.0, 20.0], &[5.0]);
     /// Axial stiffness EA.

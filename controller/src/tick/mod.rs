@@ -7,7 +7,7 @@ mod sewing;
 
 pub use params::ConfigError;
 
-use crate::coupling::{Coupling, RIGHT, TAIL};
+use crate::coupling::Coupling;
 use crate::event::{Fault, Faults};
 use crate::hash::Hasher;
 use crate::lanes::Level;
@@ -148,8 +148,7 @@ impl<'m, const N: usize> Controller<'m, N> {
 
         // force
         let grip = needle::settle(&params.needle, &mut state.needle, &arc, (&holds, &moved), tissue);
-        let ends = [moved[TAIL], moved[RIGHT]];
-        state.pull = sewing::relax(params, state, ends, (lattice, load), &mut self.thread_work);
+        state.pull = sewing::relax(params, state, &moved, (lattice, load), &mut self.thread_work);
         let simulated = grip.force + state.pull.direction * state.pull.tension;
 
         // safety: every force leaves through here
@@ -205,7 +204,8 @@ impl<'m, const N: usize> Controller<'m, N> {
                 hasher.vector(place);
                 hasher.vector(velocity);
             }
-            run.load.into_iter().for_each(|load| hasher.vector(load));
+            let loads = run.load.into_iter().take(run.course.count + 1);
+            loads.for_each(|load| hasher.vector(load));
         }
     }
 }

@@ -2,7 +2,7 @@
 
 use super::State;
 use super::params::Params;
-use crate::coupling::{Coupling, RIGHT, TAIL};
+use crate::coupling::{Coupling, POINTS, PUNCTURES, RIGHT, TAIL};
 use crate::lattice::{Field, Lattice, Tissue};
 use crate::math::Vec3;
 use crate::needle::{Arc, Passage};
@@ -13,7 +13,10 @@ use sutura_shared::scene::Stage;
 /// About what skin answers a point's displacement with [N/m]; it steers the thread's own iterations only.
 const SURFACE_STIFFNESS: f32 = 300.0;
 
-/// States the thread's pull on its two points, condensed, and adds it to the coupling.
+/// The points that hold the thread, in its order: its tail, then the punctures that it runs through.
+const HOLDS: [usize; 2] = [TAIL, RIGHT];
+
+/// States the thread's pull on its points, condensed, and adds it to the coupling.
 pub(super) fn strain<const N: usize>(
     params: &Params,
     state: &mut State,
@@ -25,13 +28,13 @@ pub(super) fn strain<const N: usize>(
     let tail = params.tail.predicted(tissue);
     let laid = || thread::State::laid(thread, arc.swage(), tail, Vec3::y());
     let run = state.thread.get_or_insert_with(laid);
-    let eyelet = match &state.needle.right {
-        Passage::Passed(point) => {
-            run.lead_through();
-            Some(point)
+    let mut eyelets = [Vec3::zeros(); PUNCTURES];
+    if let (Passage::Passed(point), [first, ..]) = (&state.needle.right, &mut eyelets) {
+        if run.course.count == 0 {
+            run.lead_through(point.place(tissue));
         }
-        _ => None,
-    };
+        *first = point.predicted(tissue);
+    }
     if state.stage.stage == Stage::Tie && state.stage.ticks == 0 {
         // The knot holds before the needle is cut off.
         run.tie(thread);
@@ -39,7 +42,7 @@ pub(super) fn strain<const N: usize>(
     let ends = Ends {
         swage: Some(arc.swage()).filter(|_| state.stage.stage < Stage::Tie),
         tail: Some(tail),
-        eyelet: eyelet.map(|point| point.predicted(tissue)),
+        eyelets,
         end_stiffness: SURFACE_STIFFNESS,
     };
     let skin = Skin {
@@ -49,9 +52,10 @@ pub(super) fn strain<const N: usize>(
     };
     let condensed = thread::condense(thread, run, &ends, &skin, work);
     coupling.kernels[TAIL] = params.tail.kernel;
-    for (p, a) in [TAIL, RIGHT].into_iter().enumerate() {
+    let held = || HOLDS.into_iter().zip(0..condensed.len);
+    for (a, p) in held() {
         coupling.force[a] += condensed.force[p];
-        for (q, b) in [TAIL, RIGHT].into_iter().enumerate() {
+        for (b, q) in held() {
             coupling.stiffness[a][b] += condensed.stiffness[p][q];
         }
     }
@@ -61,14 +65,16 @@ pub(super) fn strain<const N: usize>(
 pub(super) fn relax<const N: usize>(
     params: &Params,
     state: &mut State,
-    moved: [Vec3; 2],
+    moved: &[Vec3; POINTS],
     (lattice, load): (&Lattice<N>, &mut Field<N>),
     work: &mut thread::Work,
 ) -> Pull {
     let (Some(thread), Some(run)) = (&params.thread, &mut state.thread) else {
         return Pull::default();
     };
-    let pull = thread::settle(thread, run, work, moved);
+    let mut ends = [Vec3::zeros(); POINTS];
+    ends.iter_mut().zip(HOLDS).for_each(|(end, a)| *end = moved[a]);
+    let pull = thread::settle(thread, run, work, &ends);
     if params.lies {
         load.iter_mut()
             .for_each(|c| c.iter_mut().take(lattice.len()).for_each(|f| *f = 0.0));

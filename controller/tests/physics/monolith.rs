@@ -78,14 +78,14 @@ fn condensed(slack: f32, ticks: u16) -> Vec<V> {
         let ends = Ends {
             swage: Some(swage(slack, tick)),
             tail: Some(predicted),
-            eyelet: None,
             end_stiffness: END_STIFFNESS,
+            ..Ends::default()
         };
         let condensed = thread::condense(&params, &state, &ends, &Air, &mut work);
         coupling.force[TAIL] = condensed.force[0];
         coupling.stiffness[TAIL][TAIL] = condensed.stiffness[0][0];
         let moved = block.tick(DEFAULT, &coupling, None);
-        let pull = thread::settle(&params, &mut state, &mut work, [moved[TAIL], Vec3::zeros()]);
+        let pull = thread::settle(&params, &mut state, &mut work, &moved);
         pull.on_needle.map(f64::from)
     };
     (1..=ticks).map(&mut tick).collect()
