@@ -6,11 +6,12 @@
 
 use core::mem::size_of;
 
+use crate::coupling::PUNCTURES;
 use crate::lattice::{CURVES, DIRECTIONS};
 use crate::law::Breaks;
 use crate::math::Vec3;
 use crate::needle::{Passage, Point};
-use crate::thread::{self, NODES_MAX, Touch};
+use crate::thread::{self, Grip, NODES_MAX, Touch};
 use crate::wound::PAIRS_MAX;
 use sutura_shared::scene::Effect;
 
@@ -107,6 +108,8 @@ pub const fn row(effect: Effect) -> &'static Row {
         thread_contact,
         wound_contact,
         passivity,
+        thread_friction,
+        knot,
     ] = &TABLE;
     match effect {
         Effect::Gravity => gravity,
@@ -118,11 +121,13 @@ pub const fn row(effect: Effect) -> &'static Row {
         Effect::ThreadContact => thread_contact,
         Effect::WoundContact => wound_contact,
         Effect::Passivity => passivity,
+        Effect::ThreadFriction => thread_friction,
+        Effect::Knot => knot,
     }
 }
 
 /// Every effect, in the order of [`Effect::ALL`].
-pub const TABLE: [Row; 9] = [
+pub const TABLE: [Row; 11] = [
     Row {
         effect: Effect::Gravity,
         simulates: "the thread's weight",
@@ -188,7 +193,7 @@ pub const TABLE: [Row; 9] = [
         simulates: "the suture thread, from the needle through the right site to the left one",
         parts: &[Part::Thread, Part::Deform, Part::Force],
         state: "places and velocities of its nodes, their elimination, the point that holds its tail",
-        bytes: size_of::<thread::State>() + size_of::<thread::Work>() + size_of::<Point>() - LYING,
+        bytes: size_of::<thread::State>() + size_of::<thread::Work>() + size_of::<Point>() - LYING - RUBBING,
         bytes_per_node: 0,
         needs: Some(Effect::Puncture),
         asks: &[],
@@ -240,10 +245,37 @@ pub const TABLE: [Row; 9] = [
         section: None,
         keys: &[key::PASSIVITY],
     },
+    Row {
+        effect: Effect::ThreadFriction,
+        simulates: "Coulomb friction of the thread at every puncture that it runs through",
+        parts: &[Part::Thread],
+        state: "where the thread adheres, and its drag, at every puncture",
+        bytes: RUBBING,
+        bytes_per_node: 0,
+        needs: Some(Effect::Thread),
+        asks: &[],
+        section: None,
+        keys: &[key::THREAD_FRICTION],
+    },
+    Row {
+        effect: Effect::Knot,
+        simulates: "a knot that holds the thread at the last puncture, up to a limit",
+        parts: &[Part::Thread],
+        state: "rest lengths on both sides of the knot",
+        bytes: size_of::<Option<[f32; 2]>>(),
+        bytes_per_node: 0,
+        needs: Some(Effect::Thread),
+        asks: &[],
+        section: None,
+        keys: &[key::KNOT_HOLD],
+    },
 ];
 
 /// The ground under each node of a thread, and the node's force on it.
 const LYING: usize = NODES_MAX * (size_of::<Option<Touch>>() + size_of::<Vec3>());
+
+/// How a thread holds at each puncture.
+const RUBBING: usize = PUNCTURES * size_of::<Grip>();
 
 /// The keys of all effects. Defaults are those of the built-in scene: a 3-0 nylon thread, a stitch with an SH needle through skin.
 pub mod key {
@@ -312,6 +344,10 @@ pub mod key {
         [1.0, 1e5],
         &[200.0],
     );
+    /// Coefficient of friction between thread and tissue: 0.1 to 0.3, braided thread at the high end.
+    pub const THREAD_FRICTION: Key = key(Effect::ThreadFriction, "thread.friction", "", [0.0, 2.0], &[0.2]);
+    /// What the knot holds: above what 3-0 polypropylene breaks at where it is knotted, 18.9 N (Naleway et al. 2015).
+    pub const KNOT_HOLD: Key = key(Effect::Knot, "thread.knot_hold_n", "N", [0.01, 100.0], &[20.0]);
     /// Contact stiffness of a pair of facing nodes.
     pub const WOUND_PENALTY: Key = key(
         Effect::WoundContact,

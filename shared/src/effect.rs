@@ -25,11 +25,15 @@ pub enum Effect {
     WoundContact = 1 << 7,
     /// Time-domain passivity control at the output edge.
     Passivity = 1 << 8,
+    /// Friction of the thread at its punctures.
+    ThreadFriction = 1 << 9,
+    /// The thread is tied at the end; without it nothing holds it when it is let go.
+    Knot = 1 << 10,
 }
 
 impl Effect {
     /// Every effect, in the order of its bit.
-    pub const ALL: [Self; 9] = [
+    pub const ALL: [Self; 11] = [
         Self::Gravity,
         Self::Stiffening,
         Self::SpringDamping,
@@ -39,6 +43,8 @@ impl Effect {
         Self::ThreadContact,
         Self::WoundContact,
         Self::Passivity,
+        Self::ThreadFriction,
+        Self::Knot,
     ];
 
     /// The name a scene file uses.
@@ -54,6 +60,8 @@ impl Effect {
             Self::ThreadContact => "thread-contact",
             Self::WoundContact => "wound-contact",
             Self::Passivity => "passivity",
+            Self::ThreadFriction => "thread-friction",
+            Self::Knot => "knot",
         }
     }
 }

@@ -6,6 +6,8 @@ use core::ops::Range;
 
 use super::config::Params;
 use super::course::Course;
+use super::friction::{Grip, rub};
+use super::knot;
 use super::link::{Piece, spring};
 use super::state::{NODES_MAX, Place};
 use crate::coupling::PUNCTURES;
@@ -22,6 +24,8 @@ pub(super) struct Chain {
     /// Node a, the eyelets, node b.
     corners: [Place; CORNERS],
     pieces: [Piece; PIECES],
+    /// How the thread holds at each eyelet, in order from node a.
+    grips: [Grip; PUNCTURES],
     /// Pieces that there are.
     len: usize,
     /// The directions of both ends' pieces from their eyelets, unit length.
@@ -33,6 +37,8 @@ pub(super) struct Chain {
 pub(super) struct Strain {
     pub(super) tension: [f32; PIECES],
     pub(super) stiffness: [[f32; PIECES]; PIECES],
+    /// Length of thread that slips through the knot towards the tail [m].
+    pub(super) slip: f32,
 }
 
 impl Chain {
@@ -51,6 +57,9 @@ impl Chain {
             *corner = place;
         }
         let len = through.len() + 1;
+        let mut grips = [Grip::default(); PUNCTURES];
+        let held = through.iter().rev().map(|eyelet| eyelet.grip);
+        grips.iter_mut().zip(held).for_each(|(grip, held)| *grip = held);
         let mut pieces = [Piece::default(); PIECES];
         for (piece, ends) in pieces.iter_mut().zip(corners.windows(2)).take(len) {
             if let [from, to] = ends {
@@ -60,6 +69,7 @@ impl Chain {
         let mut chain = Self {
             corners,
             pieces,
+            grips,
             len,
             tangents: [Vec3::zeros(); 2],
         };
@@ -130,25 +140,40 @@ impl Chain {
         self.pieces().iter().skip(from).map(|piece| piece.length).sum()
     }
 
+    /// How the thread holds at its eyelets.
+    pub(super) fn grips(&self) -> &[Grip] {
+        self.grips.get(..self.eyelets()).unwrap_or_default()
+    }
+
+    /// The way of the thread at an eyelet among the pieces from `from` on [m]: half of what is before it less half of what is behind.
+    pub(super) fn way(&self, from: usize, eyelet: usize) -> f32 {
+        0.5 * self.length_from(from) - self.length_from(eyelet)
+    }
+
     /// Tensions of a link that slides, or that `knot` holds at its first eyelet.
     pub(super) fn strain(&self, params: &Params, slack: f32, knot: Option<[f32; 2]>) -> Strain {
         let mut strain = Strain {
             tension: [0.0; PIECES],
             stiffness: [[0.0; PIECES]; PIECES],
+            slip: 0.0,
         };
-        match knot {
-            None => {
-                let (tension, stiffness) = spring(params.stiffness(), self.length_from(0) - params.rest, slack);
-                strain.add(0..self.len, tension, stiffness);
-            }
-            Some([a_rest, b_rest]) => {
-                let a = self.length_from(0) - self.length_from(1) - a_rest;
-                let b = self.length_from(1) - b_rest;
-                let (a_tension, a_stiffness) = spring(tied_stiffness(params, a_rest), a, 0.0);
-                let (b_tension, b_stiffness) = spring(tied_stiffness(params, b_rest), b, 0.0);
-                strain.add(0..1, a_tension, a_stiffness);
-                strain.add(1..self.len, b_tension, b_stiffness);
-            }
+        if let Some(rest) = knot {
+            let tail_side = self.length_from(1);
+            let held = knot::hold(params, [self.length_from(0) - tail_side, tail_side], rest);
+            let ([a, b], [aa, bb]) = (held.tension, held.stiffness);
+            strain.add(0..1, 0..1, aa);
+            strain.add(1..self.len, 1..self.len, bb);
+            strain.add(0..1, 1..self.len, held.shared);
+            strain.add(1..self.len, 0..1, held.shared);
+            strain.pull(0..1, a);
+            strain.pull(1..self.len, b);
+            strain.slip = held.slip;
+            rub(params, self, 1, &mut strain);
+        } else {
+            let (tension, stiffness) = spring(params.stiffness(), self.length_from(0) - params.rest, slack);
+            strain.add(0..self.len, 0..self.len, stiffness);
+            strain.pull(0..self.len, tension);
+            rub(params, self, 0, &mut strain);
         }
         strain
     }
@@ -178,14 +203,33 @@ impl Chain {
 }
 
 impl Strain {
-    /// A spring along pieces `pieces`.
-    fn add(&mut self, pieces: Range<usize>, tension: f32, stiffness: f32) {
-        for row in self.stiffness.get_mut(pieces.clone()).unwrap_or_default() {
-            let cells = row.get_mut(pieces.clone()).unwrap_or_default();
+    /// Pieces `rows` gain `stiffness` of tension as pieces `columns` become longer.
+    fn add(&mut self, rows: Range<usize>, columns: Range<usize>, stiffness: f32) {
+        for row in self.stiffness.get_mut(rows).unwrap_or_default() {
+            let cells = row.get_mut(columns.clone()).unwrap_or_default();
             cells.iter_mut().for_each(|cell| *cell += stiffness);
         }
+    }
+
+    /// Pieces `pieces` pull with `tension` more.
+    fn pull(&mut self, pieces: Range<usize>, tension: f32) {
         let tensions = self.tension.get_mut(pieces).unwrap_or_default();
         tensions.iter_mut().for_each(|sum| *sum += tension);
+    }
+
+    /// Parts the tensions from piece `from` on by `drag` at an eyelet: half more before it, half less behind.
+    pub(super) fn part(&mut self, from: usize, eyelet: usize, drag: f32) {
+        self.pull(from..eyelet, 0.5 * drag);
+        self.pull(eyelet..PIECES, -0.5 * drag);
+    }
+
+    /// The same with a spring along the way at the eyelet.
+    pub(super) fn hold(&mut self, from: usize, eyelet: usize, stiffness: f32) {
+        let (before, behind) = (from..eyelet, eyelet..PIECES);
+        self.add(before.clone(), before.clone(), 0.25 * stiffness);
+        self.add(behind.clone(), behind.clone(), 0.25 * stiffness);
+        self.add(before.clone(), behind.clone(), -0.25 * stiffness);
+        self.add(behind, before, -0.25 * stiffness);
     }
 }
 
@@ -273,20 +317,5 @@ impl Forces {
     pub(super) fn block(&self, r: usize, c: usize) -> Mat3 {
         let row = self.blocks.get(r);
         row.and_then(|row| row.get(c)).copied().unwrap_or_default()
-    }
-}
-
-/// Stiffness of a tied piece of rest length `rest` [N/m]. A knot is no stiffer than a tenth of a link of its thread.
-pub(super) fn tied_stiffness(params: &Params, rest: f32) -> f32 {
-    params.axial / rest.max(0.1 * params.rest)
-}
-
-/// The rest length of a piece `length` long under `tension`.
-pub(super) fn tied_rest(params: &Params, length: f32, tension: f32) -> f32 {
-    let even = length / (1.0 + tension / params.axial);
-    if even >= 0.1 * params.rest {
-        even
-    } else {
-        length - tension / tied_stiffness(params, 0.0)
     }
 }

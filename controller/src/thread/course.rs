@@ -4,6 +4,7 @@ use core::ops::Range;
 
 use super::chain::Chain;
 use super::config::{EYELET, Params};
+use super::friction::Grip;
 use super::state::{NODES_MAX, Place};
 use crate::coupling::PUNCTURES;
 use crate::math::{Vec3, direction, length};
@@ -15,6 +16,8 @@ pub struct Eyelet {
     pub place: Place,
     /// The link in it: from N₍link₎ on the needle's side to the next node on the tail's.
     pub link: usize,
+    /// How the thread holds in it; of use with effect `thread-friction`.
+    pub grip: Grip,
 }
 
 /// The punctures in the order in which the needle passed them: the first is the nearest to the tail.
@@ -87,25 +90,51 @@ pub(super) fn slide(
     if left_a + chain.between() + left_b <= params.rest {
         return;
     }
-    let (node, next, moved, eyelet, past) = if left_b < 0.0 && link + 2 < params.nodes {
-        (link + 1, link + 1, eyelets.start, last, -left_b)
-    } else if left_a < 0.0 && link > 0 {
-        (link, link - 1, eyelets.end - 1, first, -left_a)
-    } else {
-        return;
-    };
+    let inner = chain.between();
+    // No node passes the knot.
+    let tied = course.knot.is_some() && eyelets.end == course.count;
+    let (node, next, moved, eyelet, past, way) =
+        if left_b < 0.0 && link + 2 < params.nodes && !(tied && eyelets.len() == 1) {
+            (
+                link + 1,
+                link + 1,
+                eyelets.start,
+                last,
+                -left_b,
+                left_a + inner - left_b,
+            )
+        } else if left_a < 0.0 && link > 0 && !tied {
+            (link, link - 1, eyelets.end - 1, first, -left_a, left_a - inner - left_b)
+        } else {
+            return;
+        };
     let neighbour = if next > link {
         chain.point(chain.eyelets() - 1)
     } else {
         chain.point(2)
     };
-    let way = neighbour.map_or_else(Vec3::zeros, |neighbour| eyelet.to(&neighbour));
+    let towards = neighbour.map_or_else(Vec3::zeros, |neighbour| eyelet.to(&neighbour));
     if let Some(node) = nodes.get_mut(node) {
-        let beyond = direction(way, 1e-9) * past.min(0.5 * length(way).max(EYELET));
+        let beyond = direction(towards, 1e-9) * past.min(0.5 * length(towards).max(EYELET));
         // Relative to the node's own coarse part, from which its displacement is measured.
         node.fine = (eyelet.coarse - node.coarse) + (eyelet.fine + beyond);
     }
     if let Some(eyelet) = course.eyelets.get_mut(moved) {
         eyelet.link = next;
+    }
+    if params.friction.is_some() {
+        adhere(params, nodes, course, (moved, next), 0.5 * way);
+    }
+}
+
+/// Lets the thread adhere at puncture `moved`, now in `link`, as strained as it was when its way there was `way` [m].
+fn adhere(params: &Params, nodes: &[Place; NODES_MAX], course: &mut Course, (moved, link): (usize, usize), way: f32) {
+    let older = course.through().iter().take(moved).rev();
+    let start = moved - older.take_while(|eyelet| eyelet.link == link).count();
+    let newer = course.through().iter().skip(moved + 1);
+    let end = moved + 1 + newer.take_while(|eyelet| eyelet.link == link).count();
+    let now = Chain::new((nodes, params.nodes), course, link, start..end).way(0, end - moved);
+    if let Some(eyelet) = course.eyelets.get_mut(moved) {
+        eyelet.grip.adhesion = eyelet.grip.adhesion.map(|adhesion| adhesion + (now - way));
     }
 }

@@ -1,7 +1,9 @@
 //! What the thread does to the hand: F = c Δl / Σ 1/k_i (Lian & Chen Eqs 9–11).
 
-use super::chain::{Chain, tied_stiffness};
+use super::chain::Chain;
 use super::config::Params;
+use super::knot::tied_stiffness;
+use super::link::spring;
 use super::state::{Place, State};
 use crate::math::{Vec3, direction, length};
 
@@ -13,8 +15,10 @@ const OVERSHOOT: f32 = 2.0;
 /// The thread at the end of a tick.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Pull {
-    /// Tension by Eq. 11 with c = 1, between the needle and what holds the thread [N]; at most twice what the needle's coupling bears.
+    /// What the hand feels [N]: the tension by Eq. 11, or with friction that of N₀'s own link.
     pub tension: f32,
+    /// Tension by Eq. 11 with c = 1, between the needle and what holds the thread [N]; at most twice what the needle's coupling bears.
+    pub eq11: f32,
     /// Direction from N₀ along the thread; zero where the first link has no length.
     pub direction: Vec3,
     /// Force of the thread on the swage, through the coupling [N].
@@ -88,20 +92,47 @@ pub(super) fn pull(params: &Params, state: &State, swage: Option<Vec3>) -> Pull 
     } else {
         outside.and(&inside)
     };
-    let tension = whole.tension().min(most);
+    let eq11 = whole.tension().min(most);
+    let rubs = params.friction.is_some();
     let stitch = match (course.knot, newest) {
-        (Some(_), _) => inside.tension(),
-        (None, Some(_)) => tension,
-        (None, None) => 0.0,
+        (Some(_), _) if !rubs => inside.tension(),
+        (_, Some(newest)) if rubs => {
+            let [_, behind] = around(params, state, newest.link, course.count);
+            behind
+        }
+        (_, Some(_)) => eq11,
+        (_, None) => 0.0,
+    };
+    let tension = if rubs {
+        let [own, _] = around(params, state, 0, course.count);
+        own.min(most)
+    } else {
+        eq11
     };
     Pull {
         tension,
+        eq11,
         direction: direction(first.to(towards), 1e-9),
         on_needle,
         elongation: whole.elongation,
         stitch,
         between: if newest.is_some() { inside.length } else { 0.0 },
     }
+}
+
+/// Tensions of a link's first piece and of what is behind its first eyelet [N]; `newer` eyelets are not before it.
+fn around(params: &Params, state: &State, link: usize, newer: usize) -> [f32; 2] {
+    let eyelets = state.course.within(link, newer);
+    if eyelets.is_empty() {
+        let ends = state.nodes.get(link).zip(state.nodes.get(link + 1));
+        let long = ends.map_or(0.0, |(a, b)| length(a.to(b)));
+        let (tension, _) = spring(params.stiffness(), long - params.rest, 0.0);
+        return [tension; 2];
+    }
+    let tied = state.course.knot.filter(|_| eyelets.end == state.course.count);
+    let chain = Chain::new((&state.nodes, params.nodes), &state.course, link, eyelets);
+    let [first, second, ..] = chain.strain(params, 0.0, tied).tension;
+    [first, second]
 }
 
 /// The thread from the needle to the last puncture, and from there to the tail. A link that slides through that puncture counts as a

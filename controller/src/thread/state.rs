@@ -1,8 +1,10 @@
 //! What changes in a thread: places, velocities, and where it runs.
 
-use super::chain::{Chain, tied_rest};
+use super::chain::Chain;
 use super::config::Params;
 use super::course::{Course, Eyelet};
+use super::friction::Grip;
+use super::knot::tied_rest;
 use crate::coupling::POINTS;
 use crate::math::{Vec3, direction, length};
 
@@ -114,21 +116,26 @@ impl State {
             *eyelet = Eyelet {
                 place: Place::new(place),
                 link: 0,
+                grip: Grip::default(),
             };
             self.course.count += 1;
         }
     }
 
-    /// Ties the thread at the last puncture: each part of the link there keeps the tension it has.
+    /// Ties the thread at the last puncture: each part of the link there keeps the tension it has. Nothing is tied without effect `knot`.
     pub fn tie(&mut self, params: &Params) {
-        let (Some(newest), None) = (self.course.through().last(), self.course.knot) else {
+        let (Some(newest), None, Some(_)) = (self.course.through().last(), self.course.knot, params.knot) else {
             return;
         };
         let eyelets = self.course.within(newest.link, self.course.count);
         let chain = Chain::new((&self.nodes, params.nodes), &self.course, newest.link, eyelets);
-        let (whole, b) = (chain.length_from(0), chain.length_from(1));
-        let tension = params.stiffness() * (whole - params.rest);
-        self.course.knot = Some([whole - b, b].map(|part| tied_rest(params, part, tension)));
+        let [needle, behind, ..] = chain.strain(params, 0.0, None).tension;
+        let tail_side = chain.length_from(1);
+        let parts = [(chain.length_from(0) - tail_side, needle), (tail_side, behind)];
+        self.course.knot = Some(parts.map(|(length, tension)| tied_rest(params, length, tension)));
+        for eyelet in &mut self.course.eyelets {
+            eyelet.grip = Grip::default();
+        }
     }
 }
 

@@ -25,6 +25,8 @@ const THREAD: scene::Thread = scene::Thread {
     mass_kg_per_m: 43e-6,
     damping_per_s: 20.0,
     penalty_n_per_m: 1000.0,
+    friction: 0.0,
+    knot_hold_n: 0.0,
 };
 /// What the controller tells the thread's own iterations of the skin [N/m].
 const END_STIFFNESS: f32 = 300.0;

@@ -70,38 +70,17 @@ pub(super) const TWO_IN_A_LINK: &[Vec3] = &[Vec3::new(0.0025, 0.0, -0.002), Vec3
 
 /// A thread laid straight from eyelet to eyelet, a little shorter than its length and off its line, tied to skin of 250 N/m.
 pub(super) fn straight(eyelets: &[Vec3]) -> (Params, Tissue, Thread) {
-    let params = params(21, 0.005, &[]);
+    let params = params(21, 0.005, &[Effect::Knot]);
     let tail = Vec3::new(-0.053, 0.001, 0.0);
-    let mut state = State::laid(&params, tail + Vec3::x() * 0.099, tail, Vec3::z());
     let stops: Vec<Vec3> = [tail].iter().chain(eyelets).copied().collect();
-    let from_tail = |i: usize| 0.005 * 0.99 * (20 - i) as f32;
-    for (i, node) in state
-        .nodes
-        .iter_mut()
-        .enumerate()
-        .take(params.nodes() - 1)
-        .filter(|_| !eyelets.is_empty())
-    {
-        let mut left = from_tail(i);
-        let mut place = stops[eyelets.len()] + way(eyelets) * left;
-        for leg in stops.windows(2) {
-            let whole = length(leg[1] - leg[0]);
-            place = leg[0] + (leg[1] - leg[0]) * (left / whole);
-            if left < whole {
-                break;
-            }
-            left -= whole;
-            place = stops[eyelets.len()] + way(eyelets) * left;
-        }
-        *node = Place::new(place + Vec3::y() * (1e-4 * (i as f32 - 8.5)));
+    if eyelets.is_empty() {
+        let state = State::laid(&params, tail + Vec3::x() * 0.099, tail, Vec3::z());
+        return (params, Tissue::new(&stops), Thread::new(state));
     }
-    let mut reached = 0.0;
-    let laid = stops.windows(2).map(|leg| {
-        reached += length(leg[1] - leg[0]);
-        ((0..20).filter(|i| from_tail(*i) > reached).count() - 1, leg[1])
-    });
-    let all: Vec<(usize, Vec3)> = laid.collect();
-    super::through(&mut state, &all);
+    let mut state = super::laid(&params, &stops, way(eyelets));
+    for (i, node) in state.nodes.iter_mut().enumerate().take(params.nodes() - 1) {
+        *node = Place::new(node.point() + Vec3::y() * (1e-4 * (i as f32 - 8.5)));
+    }
     (params, Tissue::new(&stops), Thread::new(state))
 }
 

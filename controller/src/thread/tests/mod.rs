@@ -2,6 +2,8 @@
 
 mod behaviour;
 mod exact;
+mod friction;
+mod knot;
 
 mod reference;
 
@@ -9,7 +11,7 @@ use sutura_shared::scene::{self, Effect, Effects};
 
 use super::*;
 use crate::coupling::POINTS;
-use crate::math::{DT, Vec3};
+use crate::math::{DT, Vec3, length};
 
 /// Nylon 3-0: EA 76 N, 43 mg/m.
 pub(super) fn nylon(nodes: u16, link_m: f32) -> scene::Thread {
@@ -20,6 +22,8 @@ pub(super) fn nylon(nodes: u16, link_m: f32) -> scene::Thread {
         mass_kg_per_m: 43e-6,
         damping_per_s: 20.0,
         penalty_n_per_m: 200.0,
+        friction: 0.2,
+        knot_hold_n: 20.0,
     }
 }
 
@@ -127,11 +131,31 @@ impl Tissue {
     }
 }
 
-/// A thread that runs through `eyelets` [link, place], the first the nearest to the tail.
-pub(super) fn through(state: &mut State, eyelets: &[(usize, Vec3)]) {
-    for (link, place) in eyelets {
-        state.lead_through(*place);
-        let newest = state.course.count - 1;
-        state.course.eyelets[newest].link = *link;
+/// A thread laid straight from its tail at the first of `stops` through eyelets at the others and on along `way`, a hair short of taut.
+pub(super) fn laid(params: &Params, stops: &[Vec3], way: Vec3) -> State {
+    let n = params.nodes();
+    let from_tail = |i: usize| 0.99 * params.rest * (n - 1 - i) as f32;
+    let mut state = State::laid(params, stops[0] + way, stops[0], Vec3::z());
+    for (i, node) in state.nodes.iter_mut().enumerate().take(n) {
+        let mut left = from_tail(i);
+        let mut place = stops[stops.len() - 1] + way * left;
+        for leg in stops.windows(2) {
+            let whole = length(leg[1] - leg[0]);
+            place = leg[0] + (leg[1] - leg[0]) * (left / whole);
+            if left < whole {
+                break;
+            }
+            left -= whole;
+            place = stops[stops.len() - 1] + way * left;
+        }
+        *node = Place::new(place);
     }
+    let mut reached = 0.0;
+    for leg in stops.windows(2) {
+        reached += length(leg[1] - leg[0]);
+        state.lead_through(leg[1]);
+        let newest = state.course.count - 1;
+        state.course.eyelets[newest].link = (0..n).filter(|i| from_tail(*i) > reached).count() - 1;
+    }
+    state
 }
