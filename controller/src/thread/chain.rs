@@ -163,8 +163,6 @@ impl Chain {
             let ([a, b], [aa, bb]) = (held.tension, held.stiffness);
             strain.add(0..1, 0..1, aa);
             strain.add(1..self.len, 1..self.len, bb);
-            strain.add(0..1, 1..self.len, held.shared);
-            strain.add(1..self.len, 0..1, held.shared);
             strain.pull(0..1, a);
             strain.pull(1..self.len, b);
             strain.slip = held.slip;

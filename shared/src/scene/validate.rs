@@ -88,6 +88,12 @@ impl Scene {
             on(Effect::Thread),
             "thread for thread-contact",
         )?;
+        implies(
+            on(Effect::ThreadFriction),
+            on(Effect::Thread),
+            "thread for thread-friction",
+        )?;
+        implies(on(Effect::Knot), on(Effect::Thread), "thread for knot")?;
         let waits = |test: fn(&Until) -> bool| {
             self.hand
                 .iter()
@@ -247,7 +253,9 @@ impl Thread {
             "thread.mass_kg_per_m",
         )?;
         within(self.damping_per_s, &RATE, "thread.damping_per_s")?;
-        within(self.penalty_n_per_m, &STIFFNESS, "thread.penalty_n_per_m")
+        within(self.penalty_n_per_m, &STIFFNESS, "thread.penalty_n_per_m")?;
+        within(self.friction, &(0.0..=10.0, "0 to 10"), "thread.friction")?;
+        within(self.knot_hold_n, &FORCE, "thread.knot_hold_n")
     }
 }
 
