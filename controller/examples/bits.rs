@@ -3,11 +3,11 @@
 
 use std::process::ExitCode;
 
-use sutura_controller::coupling::{Coupling, Kernel, LEFT};
+use sutura_controller::coupling::{A, Coupling, Kernel};
 use sutura_controller::hash::Hasher;
 use sutura_controller::lanes::Level;
 use sutura_controller::lattice::{Field, Lattice, STEPS, Tissue, at};
-use sutura_controller::law::{Curve, Material, Stiffness, stiffness};
+use sutura_controller::law::{BARRIER, Curve, Material, Stiffness, stiffness};
 use sutura_controller::math::{Mat3, Vec3};
 use sutura_controller::solver::{Choice, Problem, Solver, Work};
 use sutura_shared::scene::{self, Law, Segment};
@@ -87,8 +87,8 @@ fn hash(law: Law, solver: scene::Solver, level: Level) -> Option<u64> {
             .iter_mut()
             .zip(velocity)
             .for_each(|(part, v)| part[moved] = v);
-        let [x, y, z] = coupling.gather(&tissue.displacement)[LEFT].into();
-        coupling.force[LEFT] = Vec3::new(-x, 1e-3 - y, -1e-3 - z) * 400.0;
+        let [x, y, z] = coupling.gather(&tissue.displacement)[A].into();
+        coupling.force[A] = Vec3::new(-x, 1e-3 - y, -1e-3 - z) * 400.0;
         choice.advance(&problem(patch, &coupling, level), &load, &mut tissue, &mut work);
     }
     let mut hasher = Hasher::default();
@@ -134,7 +134,7 @@ fn block(stiffness: Stiffness) -> Box<Lattice<N>> {
         }
         if (0..3).all(|axis| node[axis] + 1 < NODES[axis]) {
             lattice.volume[index] = stiffness.volume * YOUNG;
-            lattice.barrier[index] = stiffness.barrier * YOUNG;
+            lattice.barrier[index] = BARRIER * YOUNG;
         }
     }
     lattice
@@ -147,7 +147,7 @@ fn pull(lattice: &Lattice<N>) -> Coupling {
     for node in [[2, 2, 5], [3, 2, 5], [2, 3, 5], [3, 3, 5]] {
         kernel.push(lattice.index(node) as u32, 0.25);
     }
-    coupling.kernels[LEFT] = kernel;
-    coupling.stiffness[LEFT][LEFT] = Mat3::identity() * 400.0;
+    coupling.kernels[A] = kernel;
+    coupling.stiffness[A][A] = Mat3::identity() * 400.0;
     coupling
 }

@@ -7,16 +7,20 @@
 use crate::lattice::{Field, add, at};
 use crate::math::{Mat3, Vec3};
 
-/// Most punctures: three stitches of four, a microcontroller's one.
+/// Most punctures: three stitches of four, a to d and again, a microcontroller's one.
 pub const PUNCTURES: usize = if cfg!(target_os = "none") { 4 } else { 12 };
 /// Most points: the thread's tail and the punctures.
 pub const POINTS: usize = PUNCTURES + 1;
 /// The thread's tail.
 pub const TAIL: usize = 0;
-/// The left puncture, and whatever a tool without puncture touches.
-pub const LEFT: usize = 1;
-/// The right puncture.
-pub const RIGHT: usize = 2;
+/// Puncture a, and whatever a tool without puncture touches.
+pub const A: usize = 1;
+/// Puncture b.
+pub const B: usize = 2;
+/// Puncture c.
+pub const C: usize = 3;
+/// Puncture d.
+pub const D: usize = 4;
 /// Nodes of one kernel: a ball of 3.5 pitches about a lattice point holds 179 of them.
 pub const KERNEL_MAX: usize = 192;
 
@@ -114,7 +118,7 @@ impl Coupling {
 
     /// Points up to the last that takes part; the work of all that follows is theirs alone.
     #[must_use]
-    pub fn len(&self) -> usize {
+    pub fn points(&self) -> usize {
         let last = self.kernels.iter().rposition(|kernel| !kernel.is_empty());
         last.map_or(0, |last| last + 1)
     }
@@ -132,10 +136,17 @@ impl Coupling {
         }
     }
 
+    /// Force on the points that have moved by `u` from their predicted places, F − S·u [N].
+    #[must_use]
+    pub fn at(&self, u: &[Vec3; POINTS]) -> [Vec3; POINTS] {
+        let given = self.product(u);
+        core::array::from_fn(|p| self.force[p] - given[p])
+    }
+
     /// S·u.
     #[must_use]
     pub fn product(&self, u: &[Vec3; POINTS]) -> [Vec3; POINTS] {
-        product(&self.stiffness, self.len(), u)
+        product(&self.stiffness, self.points(), u)
     }
 }
 

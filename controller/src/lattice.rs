@@ -71,6 +71,20 @@ pub struct Tissue<const N: usize> {
     pub displacement: Field<N>,
     /// Velocity [m/s].
     pub velocity: Field<N>,
+    /// What the last tick leaves for the next one's balance of energy.
+    pub balance: Balance,
+}
+
+/// What a tick leaves for the next one's balance of energy; all zeros is valid in any state.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Zeroable)]
+#[repr(C)]
+pub struct Balance {
+    /// Elastic energy of springs and voxels [J].
+    pub elastic: f32,
+    /// 1 where `elastic` is that of the present displacement, 0 where it has to be found.
+    pub known: u32,
+    /// How much shorter than solved for the next step is, since one before it gained energy: 1/(1 + this) of it.
+    pub caution: f32,
 }
 
 impl<const N: usize> Lattice<N> {
@@ -147,6 +161,13 @@ impl<const N: usize> Lattice<N> {
             let first = k as usize * layer + (j * nx) as usize;
             (0..nx).map(move |i| ([i, j, k], first + i as usize))
         })
+    }
+
+    /// Column of a node along x.
+    #[must_use]
+    pub fn column(&self, index: usize) -> u32 {
+        let [nx, ..] = self.nodes;
+        (index % self.layer().max(1)) as u32 % nx.max(1)
     }
 
     /// Place of a node at rest, patch frame [m].

@@ -76,15 +76,15 @@ pub fn next(state: State, signs: &Signs<'_>) -> State {
 }
 
 fn follow(State { stage, ticks, taut }: State, signs: &Signs<'_>) -> Stage {
-    let needle::State { left, right, .. } = signs.needle;
-    match (stage, left, right) {
+    let [a, _, _, d] = &signs.needle.sites;
+    match (stage, a, d) {
         (Stage::Approach, Passage::Touch(_), _) => Stage::Indent,
         (Stage::Done, Passage::Touch(_), _) if !signs.pierces => Stage::Indent,
         (Stage::Indent, Passage::Hole(_), _) => Stage::Drive,
         (Stage::Indent, Passage::Ahead, _) if !signs.pierces => Stage::Done,
-        (Stage::Indent | Stage::Drive, Passage::Ahead, Passage::Ahead) => Stage::Approach,
+        (Stage::Indent | Stage::Drive, a, d) if a.is_out() && d.is_out() => Stage::Approach,
         (Stage::Drive, _, Passage::Touch(_) | Passage::Hole(_)) => Stage::Exit,
-        (Stage::Exit, _, Passage::Ahead) => Stage::Drive,
+        (Stage::Exit, _, d) if d.is_out() => Stage::Drive,
         (Stage::Exit, _, Passage::Passed(_)) if signs.tension.is_none() => Stage::Done,
         (Stage::Exit, _, Passage::Passed(_)) => Stage::PullThrough,
         (Stage::PullThrough, ..) if taut >= LASTING => Stage::Tension,
@@ -104,7 +104,7 @@ mod tests {
         Passage::Touch(Touch {
             point: Point::default(),
             from: Vec3::zeros(),
-            tip: Vec3::zeros(),
+            f0: None,
         })
     }
 
@@ -113,7 +113,15 @@ mod tests {
             point: Point::default(),
             from_tip: 0.0,
             adhesion: 0.0,
+            cut: 0.0,
         })
+    }
+
+    fn sites(a: Passage, d: Passage) -> needle::State {
+        needle::State {
+            sites: [a, Passage::Ahead, Passage::Ahead, d],
+            ..needle::State::default()
+        }
     }
 
     #[test]
@@ -129,12 +137,8 @@ mod tests {
             (passed, passed, 0.5, true, Stage::Tie),
         ];
         let mut state = State::default();
-        for (left, right, tension, button, expected) in course {
-            let needle = needle::State {
-                left,
-                right,
-                before: None,
-            };
+        for (a, d, tension, button, expected) in course {
+            let needle = sites(a, d);
             let signs = Signs {
                 needle: &needle,
                 pierces: true,
@@ -146,11 +150,7 @@ mod tests {
             }
             assert_eq!(state.stage, expected);
         }
-        let needle = needle::State {
-            left: passed,
-            right: passed,
-            before: None,
-        };
+        let needle = sites(passed, passed);
         for _ in 0..=KNOT {
             state = next(
                 state,
@@ -168,15 +168,12 @@ mod tests {
     #[test]
     fn a_ball_that_lets_go_is_done_until_it_touches_again() {
         let mut state = State::default();
-        for (left, expected) in [
+        for (a, expected) in [
             (touch(), Stage::Indent),
             (Passage::Ahead, Stage::Done),
             (touch(), Stage::Indent),
         ] {
-            let needle = needle::State {
-                left,
-                ..needle::State::default()
-            };
+            let needle = sites(a, Passage::Ahead);
             state = next(
                 state,
                 &Signs {

@@ -6,6 +6,7 @@
 use crate::coupling::Kernel;
 use crate::lattice::{Lattice, Tissue, at};
 use crate::math::{Vec3, length};
+use core::ops::RangeInclusive;
 
 /// Height difference at rest of neighbouring tops from which it is a wall, such as the wound's, and no surface [pitches].
 const WALL: f32 = 1.5;
@@ -34,6 +35,17 @@ pub fn height<const N: usize>(lattice: &Lattice<N>, tissue: &Tissue<N>, p: Vec3)
         return None;
     }
     Some(tops.iter().map(|(node, w)| w * lattice.place(tissue, *node).z).sum())
+}
+
+/// Strain of the skin around a point: the mean of the four edges that join the tops around it; `None` beyond the patch.
+#[must_use]
+pub fn strain<const N: usize>(lattice: &Lattice<N>, tissue: &Tissue<N>, p: Vec3) -> Option<f32> {
+    let [(a, _), (b, _), (c, _), (d, _)] = corners(lattice, p)?;
+    let of = |(from, to): (usize, usize)| {
+        let rest = length(lattice.rest_place(to) - lattice.rest_place(from));
+        length(lattice.place(tissue, to) - lattice.place(tissue, from)) / rest - 1.0
+    };
+    Some(0.25 * [(a, b), (c, d), (a, c), (b, d)].map(of).iter().sum::<f32>())
 }
 
 /// The wound as a thread crosses it: columns of its two faces and its rows. Between them the thread's ground goes from rim to rim.
@@ -118,9 +130,20 @@ pub fn lifted<const N: usize>(
 /// Bounded: one pass over the nodes, in the tick in which a tip meets the skin.
 #[must_use]
 pub fn kernel_at<const N: usize>(lattice: &Lattice<N>, tissue: &Tissue<N>, p: Vec3, radius: f32) -> Kernel {
+    kernel_among(lattice, tissue, (p, radius), &(0..=u32::MAX))
+}
+
+/// The same among the nodes of some `columns`, such as those on one side of the wound.
+#[must_use]
+pub fn kernel_among<const N: usize>(
+    lattice: &Lattice<N>,
+    tissue: &Tissue<N>,
+    (p, radius): (Vec3, f32),
+    columns: &RangeInclusive<u32>,
+) -> Kernel {
     let mut kernel = Kernel::default();
     for node in 0..lattice.len() {
-        if lattice.free.get(node).is_none_or(|free| *free <= 0.0) {
+        if lattice.free.get(node).is_none_or(|free| *free <= 0.0) || !columns.contains(&lattice.column(node)) {
             continue;
         }
         let place = lattice.rest_place(node) + at(&tissue.displacement, node) - p;

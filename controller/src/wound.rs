@@ -4,6 +4,8 @@
 //! predicted width g of a pair is negative, a spring of the penalty stiffness joins its x motion: f = −k g.
 
 use crate::lattice::{Lattice, Tissue};
+use crate::math::Vec3;
+use core::ops::RangeInclusive;
 use sutura_shared::scene::Wound;
 
 /// Pairs of facing nodes.
@@ -24,10 +26,21 @@ pub struct Faces {
     rims: Rims,
 }
 
+/// A side of the wound, and its face.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Side {
+    /// Where x is less.
+    Left,
+    /// Where x is more.
+    Right,
+}
+
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Rims {
     columns: [u32; 2],
     rows: [u32; 2],
+    /// Lowest layer of the faces.
+    floor: u32,
     /// Row of y = 0 as row and fraction of the next.
     stitch: (u32, f32),
 }
@@ -72,6 +85,7 @@ pub fn faces<const N: usize>(wound: &Wound, lattice: &Lattice<N>) -> Result<Face
         rims: Rims {
             columns: [left, right],
             rows: [first, last],
+            floor: u32::from(wound.floor),
             stitch: (row as u32, row - (row as u32) as f32),
         },
     })
@@ -91,6 +105,60 @@ impl Faces {
         self.across
     }
 
+    /// The side that a place is on.
+    #[must_use]
+    pub fn side<const N: usize>(&self, lattice: &Lattice<N>, p: Vec3) -> Side {
+        let [left, right] = self.rims.columns;
+        let [origin, ..] = lattice.origin;
+        let middle = origin + 0.5 * (left + right) as f32 * lattice.pitch;
+        if p.x < middle { Side::Left } else { Side::Right }
+    }
+
+    /// Node columns of a side, its face among them.
+    #[must_use]
+    pub const fn columns(&self, side: Side) -> RangeInclusive<u32> {
+        let [left, right] = self.rims.columns;
+        match side {
+            Side::Left => 0..=left,
+            Side::Right => right..=u32::MAX,
+        }
+    }
+
+    /// x of a face at (y, z) of `p` [m], bilinear between its nodes; `None` beyond its rows, above its rim and below its floor. Nodes are
+    /// found at rest, which errs by slope × their motion along the face.
+    #[must_use]
+    pub fn wall<const N: usize>(
+        &self,
+        side: Side,
+        (lattice, tissue): (&Lattice<N>, &Tissue<N>),
+        p: Vec3,
+    ) -> Option<f32> {
+        let Rims {
+            columns: [left, right],
+            rows: [first, last],
+            floor,
+            ..
+        } = self.rims;
+        let column = match side {
+            Side::Left => left,
+            Side::Right => right,
+        };
+        let [_, oy, oz] = lattice.origin;
+        let (y, z) = ((p.y - oy) / lattice.pitch, (p.z - oz) / lattice.pitch);
+        if y < first as f32 || y > last as f32 || z < floor as f32 {
+            return None;
+        }
+        let (j, k) = ((y as u32).min(last.saturating_sub(1)), z as u32);
+        let (fy, fz) = (y - j as f32, z - k as f32);
+        let x = |j: u32, k: u32| {
+            let node = lattice.index([column, j.min(last), k]);
+            let exists = lattice.mass.get(node).is_some_and(|mass| *mass > 0.0);
+            exists.then(|| lattice.place(tissue, node).x)
+        };
+        let along = |k| Some(x(j, k)? * (1.0 - fy) + x(j + 1, k)? * fy);
+        Some(along(k)? * (1.0 - fz) + along(k + 1)? * fz)
+    }
+
     /// Width of a pair whose nodes have moved by these x displacements [m].
     #[must_use]
     pub fn width(&self, left: f32, right: f32) -> f32 {
@@ -105,6 +173,7 @@ pub fn gap<const N: usize>(faces: &Faces, lattice: &Lattice<N>, tissue: &Tissue<
         columns: [left, right],
         rows: [first, last],
         stitch,
+        ..
     } = faces.rims;
     let place = |i, j| lattice.top(i, j).map(|node| lattice.place(tissue, node).x);
     let at = |j| Some(place(right, j)? - place(left, j)?);

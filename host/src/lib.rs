@@ -6,5 +6,6 @@ pub mod link;
 pub mod plot;
 pub mod run;
 pub mod scene;
+pub mod score;
 pub mod study;
 pub mod voxelize;

@@ -11,10 +11,14 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use clap::{ArgGroup, Args, Parser, Subcommand};
 use indicatif::{ProgressBar, ProgressStyle};
 use sutura::geometry::units::Units;
+use sutura::run::vtk::Frames;
 use sutura::voxelize::{self, Resolution};
 use sutura::{run, scene};
 use sutura_controller::lanes::Level;
 use tracing_subscriber::EnvFilter;
+
+/// Ticks from VTK frame to VTK frame where nothing else is asked for: ten frames a second.
+const FRAME_EVERY: u32 = 100;
 
 /// A haptic suture simulator: a curved needle and its thread close a wound in soft tissue.
 #[derive(Parser)]
@@ -41,6 +45,8 @@ enum Command {
         #[command(subcommand)]
         study: cli::study::Study,
     },
+    /// Scores a recorded run.
+    Score(cli::score::ScoreArgs),
     /// Shows the built-in scene.
     Scene(SceneArgs),
     /// Ticks an uploaded scene, for whoever counts its instructions.
@@ -66,9 +72,15 @@ struct RunArgs {
     /// Stops after this many seconds of simulated time.
     #[arg(long, value_name = "S", value_parser = seconds)]
     seconds: Option<f64>,
-    /// Folder for force.csv, force.png and scene.toml, the scene as it ran.
+    /// Folder for the score, the tables it is made from, force.png and scene.toml, the scene as it ran.
     #[arg(long, value_name = "DIR", default_value = "sutura-out")]
     out: PathBuf,
+    /// Folder for VTK files of patch, needle, thread and punctures, and run.pvd, the time series of them all, for ParaView.
+    #[arg(long, value_name = "DIR")]
+    vtu: Option<PathBuf>,
+    /// VTK frames for each second of simulated time; a divisor of 1000. Without it 10.
+    #[arg(long = "fps", value_name = "N", requires = "vtu", value_parser = cli::flags::every)]
+    every: Option<u32>,
     /// Instructions to run on, instead of the best this processor has: off, sse2, avx2 or avx512. Results are the same.
     #[arg(long, value_name = "LEVEL", value_parser = cli::flags::simd)]
     simd: Option<Level>,
@@ -125,6 +137,7 @@ fn main() -> ExitCode {
         Some(Command::Moduli(args)) => cli::moduli::run(&args),
         Some(Command::Poke(args)) => cli::poke::run(&args),
         Some(Command::Study { study }) => cli::study::run(&study),
+        Some(Command::Score(args)) => cli::score::run(&args),
         Some(Command::Ticks(args)) => cli::ticks::run(&args),
         Some(Command::Scene(_)) => {
             say(format_args!("{}", scene::BUILT_IN));
@@ -143,6 +156,10 @@ fn run_scene(args: RunArgs) -> ExitCode {
         realtime: args.realtime,
         level: args.simd.unwrap_or_else(Level::best),
         out: args.out,
+        frames: args.vtu.map(|folder| Frames {
+            folder,
+            every: args.every.unwrap_or(FRAME_EVERY),
+        }),
     };
     let interrupted = interrupt();
     let bar = if std::io::stderr().is_terminal() {

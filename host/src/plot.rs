@@ -15,7 +15,6 @@ use plotters::prelude::*;
 use plotters::style::register_font;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 use sutura_shared::message::Telemetry;
-use sutura_shared::scene::Site;
 
 use crate::run::log::{Log, length};
 
@@ -141,11 +140,7 @@ fn band(ticks: &[Telemetry], piece: usize, of: Quantity, thickness: f64) -> Vec<
 fn punctures(chart: &mut Chart<'_>, log: &Log, top: f64) -> Drawn {
     for puncture in &log.punctures {
         let (at, force) = (seconds(puncture.tick), f64::from(puncture.force_n));
-        let name = match puncture.site {
-            Site::Left => "left",
-            Site::Right => "right",
-        };
-        let label = format!("{name} puncture, {force:.2} N");
+        let label = format!("{}, {force:.2} N", puncture.site.name());
         let style = (FONT, 22)
             .into_font()
             .color(&INK)
@@ -205,7 +200,7 @@ mod tests {
             saturated: false,
         };
         let puncture = PunctureEvent {
-            site: Site::Left,
+            site: sutura_shared::scene::Site::A,
             tick: 900,
             force_n: 0.81,
             f0_n: 0.8,
@@ -214,6 +209,7 @@ mod tests {
         let log = Log {
             ticks: (1..=1000).map(tick).collect(),
             punctures: vec![puncture],
+            ..Log::default()
         };
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("force.png");

@@ -4,26 +4,31 @@ pub mod embedded;
 pub mod files;
 pub mod log;
 pub mod report;
+mod session;
 pub(crate) mod solver;
+pub mod vtk;
+pub mod watch;
 
-use std::ops::ControlFlow;
 use std::path::PathBuf;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::AtomicBool;
 
 use sutura_controller::lanes::Level;
 use sutura_controller::record::{Fault, Faults};
-use sutura_shared::message::{Telemetry, ToHost, UploadError};
+use sutura_shared::message::{Telemetry, UploadError};
 use sutura_shared::scene::{Effect, Stage};
 
 use crate::geometry::patch::PatchError;
-use crate::link::{Counts, Link, LinkError, Pace, Ran};
+use crate::link::LinkError;
 use crate::scene;
 use crate::scene::build;
 use crate::scene::draft::{Draft, Key};
+use crate::score;
 use crate::study::block;
 use crate::voxelize::Springs;
 use log::{Change, Log};
 use report::{LinkCount, Report, TickTime, WoundGap};
+use session::Session;
+use vtk::{Frames, Series};
 
 /// Longest run [ticks].
 pub const TICKS_MAX: u32 = 60_000;
@@ -47,7 +52,7 @@ pub fn run(request: &Request, interrupted: &AtomicBool, progress: impl FnMut(&Te
     let copy = draft.copy(solver, note.as_slice())?;
     files::spare(&request.out, request.scene.as_deref(), &copy)?;
     files::folder(&request.out)?;
-    let session = session(request, &built, interrupted, progress)?;
+    let mut session = session::listen(request, &built, interrupted, progress)?;
     if session.ran.skipped > 0 {
         tracing::warn!(
             "{} ms passed without a tick: the machine is too slow or too busy for real time",
@@ -59,12 +64,16 @@ pub fn run(request: &Request, interrupted: &AtomicBool, progress: impl FnMut(&Te
         None => "Force on the hand over one stitch".to_owned(),
     };
     files::write(&request.out, &copy, &title, &session.log)?;
+    session.series.take().map_or(Ok(()), Series::finish)?;
+    let score = score::of(&request.out)?;
+    score::write(&request.out, &score)?;
     let whole = request.seconds.is_none();
     if whole {
         stuck(&session.log)?;
     }
     let report = Report {
         auto,
+        score: Some(score),
         ..report(request, &built, session)
     };
     if whole && built.scene.thread.is_some() {
@@ -107,53 +116,6 @@ fn stuck(log: &Log) -> Result<(), Error> {
     }
 }
 
-/// Uploads the scene to a controller of our own and listens until the run is over.
-fn session(
-    request: &Request,
-    built: &build::Built,
-    interrupted: &AtomicBool,
-    mut progress: impl FnMut(&Telemetry),
-) -> Result<Session, Error> {
-    let pace = if request.realtime { Pace::Realtime } else { Pace::Free };
-    let (transport, thread) = embedded::start(pace, request.level).map_err(Error::Thread)?;
-    let mut link = Link::connect(transport)?;
-    link.upload(&built.scene, &built.cells)?;
-    let mut log = Log::default();
-    let mut done_for = 0;
-    let last_tick = request
-        .seconds
-        .map_or(TICKS_MAX, |seconds| ((seconds * 1e3).ceil() as u32).clamp(1, TICKS_MAX));
-    let (ticks, state_hash) = link.run(last_tick, |message| {
-        match message {
-            ToHost::Telemetry(tick) => {
-                done_for = if tick.stage == Stage::Done { done_for + 1 } else { 0 };
-                progress(tick);
-                log.ticks.push(*tick);
-            }
-            ToHost::Puncture(puncture) => log.punctures.push(*puncture),
-            _ => {}
-        }
-        if done_for >= AFTER || interrupted.load(Ordering::Relaxed) {
-            ControlFlow::Break(())
-        } else {
-            ControlFlow::Continue(())
-        }
-    })?;
-    let counts = link.counts();
-    drop(link);
-    let ran = thread.join().map_err(|_| Error::Controller)?;
-    if interrupted.load(Ordering::Relaxed) {
-        return Err(Error::Interrupted);
-    }
-    Ok(Session {
-        log,
-        ticks,
-        state_hash,
-        counts,
-        ran,
-    })
-}
-
 fn report(request: &Request, built: &build::Built, session: Session) -> Report {
     let Session {
         log,
@@ -161,6 +123,7 @@ fn report(request: &Request, built: &build::Built, session: Session) -> Report {
         state_hash,
         counts,
         ran,
+        ..
     } = session;
     let gap = built.scene.wound.and(log.gap());
     let faults = Faults(log.faults());
@@ -181,6 +144,7 @@ fn report(request: &Request, built: &build::Built, session: Session) -> Report {
         effects_off: names(built, false),
         solver: built.scene.solver.to_string(),
         auto: None,
+        score: None,
         ticks,
         stages: log.stages(),
         punctures: log.punctures(),
@@ -228,15 +192,8 @@ pub struct Request {
     pub level: Level,
     /// Folder for the files.
     pub out: PathBuf,
-}
-
-/// What came of a session with a controller.
-struct Session {
-    log: Log,
-    ticks: u32,
-    state_hash: u64,
-    counts: Counts,
-    ran: Ran,
+    /// VTK files to write, if any.
+    pub frames: Option<Frames>,
 }
 
 /// Why a run has no result; one line each.
@@ -254,6 +211,9 @@ pub enum Error {
     /// The files of the run.
     #[error(transparent)]
     Files(#[from] files::Error),
+    /// Its score.
+    #[error(transparent)]
+    Score(#[from] score::Error),
     /// The controller and the way to it.
     #[error(transparent)]
     Link(#[from] LinkError),
@@ -287,6 +247,7 @@ impl Error {
             | Self::Build(_)
             | Self::Lattice(_)
             | Self::Files(files::Error::File { .. } | files::Error::Scene { .. })
+            | Self::Score(score::Error::Files(_))
             | Self::Thread(_)
             | Self::Stuck { .. } => 2,
             Self::Link(
@@ -297,7 +258,7 @@ impl Error {
                 | LinkError::TooLong { .. },
             ) => 2,
             Self::Interrupted => 130,
-            Self::Files(files::Error::Plot(_)) | Self::Link(_) | Self::Controller => 1,
+            Self::Files(files::Error::Plot(_)) | Self::Score(_) | Self::Link(_) | Self::Controller => 1,
         }
     }
 }
@@ -322,7 +283,7 @@ mod tests {
                 gap_mean_m: 0.0,
                 saturated: false,
             }],
-            punctures: Vec::new(),
+            ..Log::default()
         };
         let error = stuck(&log(Stage::Indent, 0)).unwrap_err();
         assert!(

@@ -56,7 +56,7 @@ fn a_short_run_ends_with_json_and_files() {
         .unwrap()
         .map(|entry| entry.unwrap().file_name())
         .collect();
-    assert_eq!(names.len(), 3, "{names:?}");
+    assert_eq!(names.len(), 7, "{names:?}");
     assert!(report.get("auto").is_none());
 }
 

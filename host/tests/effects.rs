@@ -116,7 +116,7 @@ fn an_effect_that_is_off_costs_ten_instructions_a_tick_at_most() {
     if !counts("an_effect_that_is_off_costs_ten_instructions_a_tick_at_most") {
         return;
     }
-    // Gravity has no parameters. A stitch and a thread cannot come without their effects: the wire refuses them.
+    // Gravity and the barrier have no parameters. A stitch and a thread cannot come without their effects: the wire refuses them.
     let effects = [
         Effect::Stiffening,
         Effect::SpringDamping,
@@ -241,10 +241,11 @@ fn the_study_ends_with_json_and_its_files() {
             "thread",
             "thread-contact",
             "wound-contact",
+            "barrier",
         ];
         let name = row["effect"].as_str().unwrap();
         assert_eq!(row["on"], !off.contains(&name), "{name}");
-        // A ball cannot puncture, and there is no wound: said instead of measured.
+        // A ball cannot puncture, there is no wound, and nobody asks for a barrier: said instead of measured.
         assert_eq!(row["why"].is_string(), off.contains(&name), "{name}");
         assert_eq!(row["us_with"].is_f64(), row["on"], "{name}");
         assert!(row["state_bytes"].is_u64() && row["stages"].is_array(), "{name}");

@@ -25,15 +25,19 @@ pub enum Effect {
     WoundContact = 1 << 7,
     /// Time-domain passivity control at the output edge.
     Passivity = 1 << 8,
+    /// A barrier against voxels turned inside out, for laws of springs alone; law `volume` has it in any case.
+    Barrier = 1 << 9,
+    /// Skin under tension is harder to puncture.
+    SkinTension = 1 << 10,
     /// Friction of the thread at its punctures.
-    ThreadFriction = 1 << 9,
+    ThreadFriction = 1 << 11,
     /// The thread is tied at the end; without it nothing holds it when it is let go.
-    Knot = 1 << 10,
+    Knot = 1 << 12,
 }
 
 impl Effect {
     /// Every effect, in the order of its bit.
-    pub const ALL: [Self; 11] = [
+    pub const ALL: [Self; 13] = [
         Self::Gravity,
         Self::Stiffening,
         Self::SpringDamping,
@@ -43,6 +47,8 @@ impl Effect {
         Self::ThreadContact,
         Self::WoundContact,
         Self::Passivity,
+        Self::Barrier,
+        Self::SkinTension,
         Self::ThreadFriction,
         Self::Knot,
     ];
@@ -60,6 +66,8 @@ impl Effect {
             Self::ThreadContact => "thread-contact",
             Self::WoundContact => "wound-contact",
             Self::Passivity => "passivity",
+            Self::Barrier => "barrier",
+            Self::SkinTension => "skin-tension",
             Self::ThreadFriction => "thread-friction",
             Self::Knot => "knot",
         }

@@ -113,12 +113,14 @@ pub enum Tool {
         /// Radius [m]: the contact starts when the ball touches.
         radius_m: f32,
     },
-    /// A needle bent to an arc, held at its swage third (Lian & Chen Fig. 11).
+    /// A needle bent to an arc, in a needle driver (Lian & Chen Fig. 11).
     Needle {
         /// Arc radius R [m].
         radius_m: f32,
         /// Arc length from tip to swage [m].
         length_m: f32,
+        /// Arc length from the swage to where the driver holds it [m].
+        grasp_m: f32,
     },
 }
 
@@ -133,19 +135,21 @@ pub struct Contact {
     pub kernel_m: f32,
 }
 
-/// The puncture of the two sites.
+/// The punctures of one stitch.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Stitch {
-    /// Where the thread's tail is held: the left puncture on the skin, x and y in the patch frame [m].
-    pub left_m: [f32; 2],
-    /// Puncture force F0 at the left and the right site [N] (Lian & Chen Fig. 8).
-    pub f0_n: [f32; 2],
-    /// Depth of the needle's track below the right site at which the tip begins to lift the skin [m].
+    /// Where the thread's tail is held: site a, x and y in the patch frame [m].
+    pub a_m: [f32; 2],
+    /// Puncture force F0 by [`Site`] [N] (Lian & Chen Fig. 8).
+    pub f0_n: [f32; 4],
+    /// Distance from a surface at which the tip, coming from inside the tissue, begins to lift it [m].
     pub under_m: f32,
     /// Friction per metre of shaft in the tissue [N/m]; used by effect `shaft-friction`.
     pub friction_n_per_m: f32,
     /// Force of the advancing cutting tip [N]; used by effect `shaft-friction`.
     pub cutting_n: f32,
+    /// Growth of F0 with the strain of the skin, F0·(1 + gain·strain); used by effect `skin-tension`.
+    pub tension_gain: f32,
 }
 
 /// The suture thread (Lian & Chen Fig. 13).
@@ -224,13 +228,34 @@ pub struct Pose {
     pub quaternion: [f32; 4],
 }
 
-/// A puncture site.
+/// A puncture site (Lian & Chen Fig. 10), in the order in which the needle passes them from left to right. A needle that goes under the
+/// wound's floor, or where there is no wound, passes a and d alone.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Site {
-    /// Where the needle enters first; the thread's tail is held here.
-    Left,
-    /// Where the needle comes out; the thread slides here.
-    Right,
+    /// Into the skin on the left; the thread's tail is held here.
+    A,
+    /// Out of the left face into the wound.
+    B,
+    /// Out of the wound into the right face.
+    C,
+    /// Out of the skin on the right.
+    D,
+}
+
+impl Site {
+    /// Every site in order.
+    pub const ALL: [Self; 4] = [Self::A, Self::B, Self::C, Self::D];
+
+    /// The name in tables, files and JSON.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::A => "a",
+            Self::B => "b",
+            Self::C => "c",
+            Self::D => "d",
+        }
+    }
 }
 
 /// Stages of a stitch, in order.
@@ -240,9 +265,9 @@ pub enum Stage {
     Approach,
     /// The tool presses on the skin.
     Indent,
-    /// The needle has punctured the left side and moves along its arc.
+    /// The needle has punctured site a and moves along its arc.
     Drive,
-    /// The tip meets the right side from below and comes out.
+    /// The tip meets the skin from below, at site d, and comes out.
     Exit,
     /// The needle is out; slack thread follows.
     PullThrough,

@@ -192,7 +192,7 @@ fn floats_must_be_finite() {
     for bad in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY] {
         let good = samples::telemetry(Stage::Drive);
         let puncture = PunctureEvent {
-            site: Site::Left,
+            site: Site::A,
             tick: 1,
             force_n: bad,
             f0_n: 1.0,
@@ -259,7 +259,7 @@ fn curve(scene: &mut Scene) -> &mut heapless::Vec<Segment, SEGMENTS_MAX> {
 
 #[test]
 fn scenes_name_the_value_that_is_wrong() {
-    assert_eq!(field(|it| it.effects.0 |= 1 << 11), "effects");
+    assert_eq!(field(|it| it.effects.0 |= 1 << 13), "effects");
     assert_eq!(field(|it| it.thread = None), "thread");
     assert_eq!(field(|it| it.wound = None), "effects");
     assert_eq!(field(|it| it.stitch = None), "stitch");
@@ -283,6 +283,18 @@ fn scenes_name_the_value_that_is_wrong() {
     assert_eq!(field(|it| it.lattice.cells = [0, 1, 1]), "lattice.cells");
     assert_eq!(field(|it| it.lattice.cells = [u16::MAX; 3]), "lattice.cells");
     assert_eq!(field(|it| it.lattice.pitch_m = 0.0), "lattice.pitch_m");
+    assert_eq!(
+        field(|it| it.tool = Tool::Needle {
+            radius_m: 0.01,
+            length_m: 0.03,
+            grasp_m: 0.031
+        }),
+        "tool.grasp_m"
+    );
+    assert_eq!(
+        field(|it| it.stitch.as_mut().unwrap().tension_gain = -1.0),
+        "stitch.tension_gain"
+    );
     assert_eq!(field(|it| it.contact.kernel_m = 0.0029), "contact.kernel_m");
     assert_eq!(field(|it| curve(it)[0].from_strain = 0.1), "tissue.curve");
     assert_eq!(field(|it| curve(it).clear()), "tissue.curve");

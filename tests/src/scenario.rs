@@ -45,6 +45,7 @@ pub fn run(scene: Option<PathBuf>) -> Result<Report, Error> {
         realtime: false,
         level: Level::best(),
         out: out.path().to_owned(),
+        frames: None,
     };
     run::run(&request, &AtomicBool::new(false), |_| {})
 }

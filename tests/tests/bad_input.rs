@@ -42,6 +42,7 @@ fn refused_text(text: &str, meshes: &[(&str, PathBuf)]) -> String {
         realtime: false,
         level: Level::best(),
         out: out.clone(),
+        frames: None,
     };
     let error = run::run(&request, &AtomicBool::new(false), |_| {}).unwrap_err();
     assert_eq!(error.exit_code(), 2, "{error}");

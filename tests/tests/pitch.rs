@@ -33,23 +33,24 @@ fn indent(scene: &str) -> ([f32; 2], Vec<(u32, usize)>) {
             inverted.extend((voxels > 0).then_some((tick, voxels)));
         }
         let Some(puncture) = output.puncture else { continue };
-        depths_mm[usize::from(puncture.site == Site::Right)] = puncture.depth * 1e3;
-        if puncture.site == Site::Right {
+        depths_mm[usize::from(puncture.site == Site::D)] = puncture.depth * 1e3;
+        if puncture.site == Site::D {
             break;
         }
     }
     (depths_mm, inverted)
 }
 
-/// A wound of 4 mm is no multiple of 1.5 mm; the nearest is 4.5 mm.
+/// Without a wound: no width of one is a multiple of both pitches, and where its faces are decides where the needle comes out.
 #[test]
 fn the_depth_at_f0_does_not_depend_on_the_pitch() {
-    let coarse = sutura::scene::BUILT_IN;
-    let fine = coarse
-        .replace("pitch_mm = 2 ", "pitch_mm = 1.5 ")
-        .replace("gap_mm = 4 ", "gap_mm = 4.5 ");
+    let text = sutura::scene::BUILT_IN.replace("\"wound-contact\", ", "");
+    let (before, wound) = text.split_once("[wound]").unwrap();
+    let (_, after) = wound.split_once("[needle]").unwrap();
+    let coarse = format!("{before}[needle]{after}");
+    let fine = coarse.replace("pitch_mm = 2 ", "pitch_mm = 1.5 ");
     let ([coarse, fine], inverted) = {
-        let [(coarse, a), (fine, b)] = [coarse, fine.as_str()].map(indent);
+        let [(coarse, a), (fine, b)] = [coarse.as_str(), fine.as_str()].map(indent);
         ([coarse, fine], [a, b])
     };
     println!("depth at F0, left and right: {coarse:.3?} mm at 2 mm, {fine:.3?} mm at 1.5 mm");

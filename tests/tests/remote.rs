@@ -45,13 +45,13 @@ impl Write for Line {
 
 #[test]
 fn the_touch_scenario_passes_over_a_stream() {
-    let (transport, controller) = embedded::start(Pace::Free, Level::best()).unwrap();
+    let embedded::Embedded { line, thread, .. } = embedded::start(Pace::Free, Level::best(), None).unwrap();
     let line = Line {
-        transport,
+        transport: line,
         came: Vec::new(),
     };
     let timing = remote::touch(line).unwrap();
     println!("{timing}");
     assert_eq!(timing.ticks, remote::TICKS);
-    assert_eq!(controller.join().unwrap().received.errors, 0);
+    assert_eq!(thread.join().unwrap().received.errors, 0);
 }

@@ -10,7 +10,7 @@ pub struct Material {
     pub curves: [Curve; CURVES],
     /// Whether the curves have breakpoints (effect `stiffening`).
     pub stiffening: bool,
-    /// Whether voxels keep their volume (law `volume`).
+    /// Whether voxels have an energy of their own: that of their volume (law `volume`), or of their barrier alone (effect `barrier`).
     pub volume: bool,
     /// Mass damping α [1/s].
     pub mass_damping: f32,

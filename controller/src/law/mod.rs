@@ -30,19 +30,18 @@ pub struct Stiffness {
     pub diagonal: f32,
     /// Λ of the volume energy ½ Λ (J − 1)² a³, over E.
     pub volume: f32,
-    /// B of the barrier ½ B max(0, J_b − J)² a³ against inverted voxels, over E.
-    pub barrier: f32,
 }
 
 /// J_b, the part of its volume that a voxel keeps before the barrier acts: less than any scene leaves it that is not a blow.
 pub const BARRIER_BELOW: f32 = 0.3;
-/// B over E: enough that no mirrored voxel rests.
+/// B of the barrier ½ B max(0, J_b − J)² a³ against inverted voxels, over E: enough that no mirrored voxel rests. Law `volume` has it, and
+/// every law with effect `barrier`.
 ///
 /// Springs are as content mirrored as they are upright, and hold a voxel diag(1, 1, s) a of −1 < s < 0 back from flattening with the force
 /// k_n (1 + s) a of the edges and that of the shortened diagonals. The barrier's, B (J_b − s) a², is greater all the way where
 /// B > k_n/(J_b a) = 2.7 E; where the diagonals lock ([`Breaks::lock`]), where B > 6.4 E. Past s = 0 the edges push on by themselves.
 /// It is quadratic, and a slope that rises no more than a curve's own breakpoints do is what one Newton step a tick can follow.
-const BARRIER: f32 = 8.0;
+pub const BARRIER: f32 = 8.0;
 
 /// The stiffness a law gives.
 #[must_use]
@@ -52,20 +51,17 @@ pub const fn stiffness(law: Law) -> Stiffness {
             edge: 0.8,
             diagonal: 0.3,
             volume: 0.0,
-            barrier: 0.0,
         },
         // √(2/3) makes E₁₀₀ = E where k_d gives G = E/3.
         Law::Axial => Stiffness {
             edge: 0.816_496_6,
             diagonal: 0.25,
             volume: 0.0,
-            barrier: 0.0,
         },
         Law::Paper => Stiffness {
             edge: 0.45,
             diagonal: 0.25,
             volume: 0.0,
-            barrier: 0.0,
         },
         // C44 = 4k_d/(3a) = G whatever Λ is, which adds to C11 and C12 alone: C12 = G + Λ = 2Gν/(1 − 2ν) and C11 = C12 + 2G.
         Law::Volume { poisson } => {
@@ -74,7 +70,6 @@ pub const fn stiffness(law: Law) -> Stiffness {
                 edge: 2.0 * shear,
                 diagonal: 0.75 * shear,
                 volume: shear * (4.0 * poisson - 1.0) / (1.0 - 2.0 * poisson),
-                barrier: BARRIER,
             }
         }
     }
@@ -92,8 +87,9 @@ mod tests {
             from_strain: 0.0,
             slope_pa: 1.0,
         }];
-        for poisson in [0.25, 0.3, 0.4, 0.45, 0.49] {
-            let stiffness = stiffness(Law::Volume { poisson });
+        let volume = [0.25, 0.3, 0.4, 0.45, 0.49].map(|poisson| Law::Volume { poisson });
+        for law in [Law::Isotropic, Law::Axial, Law::Paper].into_iter().chain(volume) {
+            let stiffness = stiffness(law);
             let locked = Curve::new(&line, stiffness).diagonal;
             for diagonal in [locked, Breaks::default()] {
                 for thousandths in -1000..0_i16 {
@@ -101,8 +97,8 @@ mod tests {
                     let over = libm::sqrtf((2.0 + s * s) / 3.0);
                     let diagonals = 4.0 * stiffness.diagonal * diagonal.tension(over - 1.0) * s / over;
                     let springs = stiffness.edge * (1.0 + s) + diagonals;
-                    let barrier = stiffness.barrier * (BARRIER_BELOW - s);
-                    assert!(barrier > 1.2 * springs, "{poisson} {s}: {barrier} against {springs}");
+                    let barrier = BARRIER * (BARRIER_BELOW - s);
+                    assert!(barrier > 1.2 * springs, "{law:?} {s}: {barrier} against {springs}");
                 }
             }
         }

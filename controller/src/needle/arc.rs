@@ -1,4 +1,4 @@
-//! The needle's arc in its plane xoy (Lian & Chen Fig. 11): centre o, radius R, held at its swage third.
+//! The needle's arc in its plane xoy (Lian & Chen Fig. 11): centre o, radius R, held by a driver between swage and tip.
 
 use crate::math::{Pose, Vec3};
 use core::f32::consts::TAU;
@@ -13,6 +13,8 @@ pub struct Arc {
     radius: f32,
     /// Arc length from tip to swage [m].
     pub length: f32,
+    /// Arc length from the grasp point to the tip [m].
+    ahead: f32,
     /// Radius of a ball tip [m].
     ball: f32,
 }
@@ -29,29 +31,45 @@ pub struct Nearest {
 }
 
 impl Arc {
-    /// The tool at `pose`, grasp point at angle 0, the tip two thirds of the length ahead.
+    /// The tool at `pose`, grasp point at angle 0.
     #[must_use]
-    pub const fn new(tool: Tool, pose: Pose) -> Self {
+    pub fn new(tool: Tool, pose: Pose) -> Self {
         match tool {
             Tool::Ball { radius_m } => Self {
                 pose,
                 radius: 0.0,
                 length: 0.0,
+                ahead: 0.0,
                 ball: radius_m,
             },
-            Tool::Needle { radius_m, length_m } => Self {
+            Tool::Needle {
+                radius_m,
+                length_m,
+                grasp_m,
+            } => Self {
                 pose,
                 radius: radius_m,
                 length: length_m,
+                ahead: length_m - grasp_m,
                 ball: 0.0,
             },
+        }
+    }
+
+    /// The tool moved by `way`.
+    #[must_use]
+    pub fn shifted(&self, way: Vec3) -> Self {
+        let position = self.pose.position + way;
+        Self {
+            pose: Pose { position, ..self.pose },
+            ..*self
         }
     }
 
     /// Angle of the tip about the centre, from the grasp point [rad].
     fn tip_angle(&self) -> f32 {
         if self.radius > 0.0 {
-            self.length * (2.0 / 3.0) / self.radius
+            self.ahead / self.radius
         } else {
             0.0
         }
@@ -127,6 +145,7 @@ mod tests {
         let tool = Tool::Needle {
             radius_m: 0.026 / core::f32::consts::PI,
             length_m: 0.026,
+            grasp_m: 0.026 / 3.0,
         };
         let pose = Pose {
             position: Vec3::new(0.01, -0.02, 0.005),
@@ -149,7 +168,12 @@ mod tests {
         for part in [0.25, 0.75] {
             let radius_m = 0.008;
             let length_m = part * TAU * radius_m;
-            let arc = Arc::new(Tool::Needle { radius_m, length_m }, Pose::default());
+            let tool = Tool::Needle {
+                radius_m,
+                length_m,
+                grasp_m: 0.25 * length_m,
+            };
+            let arc = Arc::new(tool, Pose::default());
             for (from_tip, expected) in [(-5e-4, -5e-4), (5e-4, 5e-4), (length_m + 5e-4, length_m + 5e-4)] {
                 let p = arc.at(arc.tip_angle() - from_tip / radius_m).0;
                 assert!((arc.nearest(p).from_tip - expected).abs() < 1e-6);

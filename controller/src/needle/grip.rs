@@ -1,31 +1,54 @@
 //! What the tool does to the tissue, and what the hand feels of it.
+//!
+//! The tool has no mass: with p its offset from where the hand wants it, δ the growth of p in this tick, u_i how far the points move
+//! from their predicted places, and S_i the stiffness of what holds them on the tool,
+//!
+//! ```text
+//!   F_i = f_i + S_i (δ − u_i)          on the points,
+//!   0   = K p + (B/dt) δ + Σ F_i       on the tool; F = K p + (B/dt) δ on the hand.
+//! ```
+//!
+//! δ is eliminated, and the points answer u with what is left: symmetric, positive semidefinite, and no stiffer together than K + B/dt.
+//! What the arc bends away from its tangents within the tick is made good on the tool once the points are where they are.
 
-use super::{Arc, Hole, Params, Passage, Point, State, Touch};
-use crate::coupling::{Coupling, LEFT, POINTS, RIGHT};
+use super::rub::{Shaft, rub, shafts};
+use super::{Arc, Hole, Params, Passage, State, Touch};
+use crate::coupling::{A, B, C, Coupling, D, POINTS};
 use crate::event::Puncture;
 use crate::lattice::Tissue;
-use crate::math::{Mat3, Pose, Vec3};
+use crate::math::{Mat3, Vec3};
 use sutura_shared::scene::Site;
 
-/// Stretch of the virtual coupling at which the tip leaves the skin [m]: above the encoders' 29 µm, so that their steps alone
-/// do not make and break the contact.
+/// Stretch of the virtual coupling at which the tip leaves a surface [m]: above the encoders' 29 µm, so that their steps alone do not make
+/// and break the contact.
 const ADHESION: f32 = 4e-5;
+/// Stiffness of what holds a point on the tool [N/m]: at 0.4 N across the needle it is 10 µm from the arc. Much stiffer than tissue, and not
+/// so stiff that solvers which move one node after the other would lock.
+const RIGID: f32 = 4e4;
+/// The coupling's points by site.
+const SLOTS: [usize; 4] = [A, B, C, D];
 
-/// Forces of the tool on its two points as the tissue's solver was given them.
+/// What the tool does to its points as the tissue's solver was given it.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Holds {
-    /// Left and right.
-    sites: [Hold; 2],
+    /// By site.
+    pins: [Pin; 4],
+    /// (K + B/dt + Σ S)⁻¹ [m/N]; `None` where nothing is held.
+    yields: Option<Mat3>,
+    /// −K p − Σ f [N].
+    pull: Vec3,
 }
 
-/// The tool's hold on one point: F(u) = force − stiffness · u with u from the predicted place.
+/// The hold on one point.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Hold {
+struct Pin {
+    /// f.
     force: Vec3,
+    /// S.
     stiffness: Mat3,
 }
 
-impl Default for Hold {
+impl Default for Pin {
     fn default() -> Self {
         Self {
             force: Vec3::zeros(),
@@ -53,96 +76,67 @@ pub fn couple<const N: usize>(
     tissue: &Tissue<N>,
     coupling: &mut Coupling,
 ) -> Holds {
-    let before = state.before.unwrap_or(arc.pose);
-    let shafts = shafts(state, arc);
-    // The tip cuts until it meets the far side's skin from below.
-    let cuts = [matches!(state.right, Passage::Ahead), false];
-    let mut holds = Holds::default();
-    let sites = [&mut state.left, &mut state.right]
-        .into_iter()
-        .zip(shafts.into_iter().zip(cuts));
-    for ((hold, (site, rubs)), slot) in holds.sites.iter_mut().zip(sites).zip([LEFT, RIGHT]) {
-        *hold = match site {
-            Passage::Ahead | Passage::Passed(_) => Hold::default(),
-            Passage::Touch(touch) => press(params, touch, arc.tip().0, tissue),
-            Passage::Hole(hole) => guide(params, hole, (arc, rubs), &before, tissue),
-        };
-        if let Some(point) = site.point() {
+    state.before = Some(arc.pose);
+    let tool = arc.shifted(state.offset);
+    let shafts = shafts(state, arc.length);
+    let mut pins = [Pin::default(); 4];
+    let mut stiffness = Mat3::zeros();
+    let mut pull = -state.offset * params.stiffness;
+    for (((pin, passage), shaft), slot) in pins.iter_mut().zip(&mut state.sites).zip(shafts).zip(SLOTS) {
+        if let Some(point) = passage.point() {
+            // The thread may hold it where the needle does not.
             coupling.kernels[slot] = point.kernel;
         }
-        coupling.force[slot] += hold.force;
-        coupling.stiffness[slot][slot] += hold.stiffness;
+        *pin = match passage {
+            Passage::Ahead | Passage::Track(_) | Passage::Passed(_) => continue,
+            Passage::Touch(touch) => press(touch, &tool, tissue),
+            Passage::Hole(hole) => guide(params, hole, (&tool, shaft), tissue),
+        };
+        stiffness += pin.stiffness;
+        pull -= pin.force;
     }
-    state.before = Some(arc.pose);
-    holds
-}
-
-/// Length of shaft that rubs at each site [m]: from the left site to the right one, or to the needle's end.
-fn shafts(state: &State, arc: &Arc) -> [f32; 2] {
-    let depth = |site: &Passage| match site {
-        Passage::Hole(hole) => Some(hole.from_tip),
-        _ => None,
-    };
-    match (depth(&state.left), depth(&state.right)) {
-        (Some(left), Some(right)) => [(left - right).max(0.0), 0.0],
-        (Some(left), None) => [left, 0.0],
-        (None, Some(right)) => [0.0, arc.length - right],
-        (None, None) => [0.0; 2],
+    if stiffness == Mat3::zeros() {
+        state.offset = Vec3::zeros();
+        return Holds::default();
     }
-}
-
-/// A spring K_c and a damper B_c between the tip and the tissue point, all three axes.
-fn press<const N: usize>(params: &Params, touch: &mut Touch, tip: Vec3, tissue: &Tissue<N>) -> Hold {
-    let way = tip - touch.tip;
-    touch.tip = tip;
-    pull(params, (tip, way), Mat3::identity(), (&touch.point, tissue))
-}
-
-/// A is kept on the arc across t; along t the shaft adheres until friction gives way (Hayward & Armstrong 2000).
-fn guide<const N: usize>(
-    params: &Params,
-    hole: &mut Hole,
-    (arc, (shaft, cuts)): (&Arc, (f32, bool)),
-    before: &Pose,
-    tissue: &Tissue<N>,
-) -> Hold {
-    let near = arc.nearest(hole.point.predicted(tissue));
-    let along = near.tangent * near.tangent.transpose();
-    let way = near.point - before.point(arc.pose.inverse().point(near.point));
-    let across = Mat3::identity() - along;
-    let mut hold = pull(params, (near.point, way), across, (&hole.point, tissue));
-    let [per_length, cutting] = params.friction;
-    let advancing = cuts && near.from_tip > hole.adhesion;
-    let limit = per_length * shaft + if advancing { cutting } else { 0.0 };
-    if limit > 0.0 {
-        let reach = limit / params.stiffness;
-        let strain = near.from_tip - hole.adhesion;
-        let held = strain.max(-reach).min(reach);
-        hole.adhesion = near.from_tip - held;
-        hold.force += near.tangent * (params.stiffness * held);
-        if held.to_bits() == strain.to_bits() {
-            hold.stiffness += along * params.stiffness;
+    let own = Mat3::identity() * (params.stiffness + params.rate);
+    let yields = (own + stiffness).try_inverse().unwrap_or_default();
+    for (pin, p) in pins.iter().zip(SLOTS) {
+        coupling.force[p] += pin.force + pin.stiffness * (yields * pull);
+        coupling.stiffness[p][p] += pin.stiffness;
+        for (other, q) in pins.iter().zip(SLOTS) {
+            coupling.stiffness[p][q] -= pin.stiffness * yields * other.stiffness;
         }
     }
-    hold
-}
-
-/// A spring K_c and a damper B_c between a `place` on the tool, which has come there by its `way` in this tick, and a tissue point.
-fn pull<const N: usize>(
-    params: &Params,
-    (place, way): (Vec3, Vec3),
-    across: Mat3,
-    (point, tissue): (&Point, &Tissue<N>),
-) -> Hold {
-    let predicted = point.predicted(tissue);
-    let motion = way - (predicted - point.place(tissue));
-    Hold {
-        force: across * ((place - predicted) * params.stiffness + motion * params.rate),
-        stiffness: across * (params.stiffness + params.rate),
+    Holds {
+        pins,
+        yields: Some(yields),
+        pull,
     }
 }
 
-/// Reads the forces after the tissue has moved by `moved` from the predicted places, and lets the skin give way at F0.
+/// The tip holds the point it presses on, along all three axes.
+fn press<const N: usize>(touch: &Touch, tool: &Arc, tissue: &Tissue<N>) -> Pin {
+    let (tip, _) = tool.tip();
+    Pin {
+        force: (tip - touch.point.predicted(tissue)) * RIGID,
+        stiffness: Mat3::identity() * RIGID,
+    }
+}
+
+/// The point is kept on the arc across t; along t the shaft rubs.
+fn guide<const N: usize>(params: &Params, hole: &mut Hole, (tool, shaft): (&Arc, Shaft), tissue: &Tissue<N>) -> Pin {
+    let place = hole.point.predicted(tissue);
+    let near = tool.nearest(place);
+    let along = near.tangent * near.tangent.transpose();
+    let rub = rub(params, hole, near.from_tip, shaft);
+    Pin {
+        force: (near.point - place) * RIGID + near.tangent * rub.force,
+        stiffness: (Mat3::identity() - along) * RIGID + along * rub.stiffness,
+    }
+}
+
+/// Reads the forces after the tissue has moved by `moved` from the predicted places, and lets a surface give way at F0.
 pub fn settle<const N: usize>(
     params: &Params,
     state: &mut State,
@@ -150,38 +144,82 @@ pub fn settle<const N: usize>(
     (holds, moved): (&Holds, &[Vec3; POINTS]),
     tissue: &Tissue<N>,
 ) -> Grip {
-    let mut grip = Grip::default();
-    let names = [(Site::Left, LEFT), (Site::Right, RIGHT)];
-    let sites = [&mut state.left, &mut state.right].into_iter().zip(names).enumerate();
-    for ((n, (site, (name, slot))), hold) in sites.zip(&holds.sites) {
-        let force = hold.force - hold.stiffness * moved[slot];
-        if let Some(point) = site.point() {
-            grip.force -= force;
-            grip.torque -= (point.place(tissue) - arc.pose.position).cross(&force);
+    let Some(yields) = holds.yields else {
+        return Grip::default();
+    };
+    let moved = SLOTS.map(|p| moved.get(p).copied().unwrap_or_default());
+    let answers = holds.pins.iter().zip(&moved).map(|(pin, moved)| pin.stiffness * moved);
+    let drawn = yields * (holds.pull + answers.sum::<Vec3>());
+    let damper = drawn * params.rate;
+    let mut grip = Grip {
+        force: (state.offset + drawn) * params.stiffness + damper,
+        ..Grip::default()
+    };
+    state.offset += drawn - yields * bent(state, arc, (holds, &moved, drawn), tissue);
+    let tool = arc.shifted(state.offset);
+    let sites = Site::ALL.into_iter().zip(&mut state.sites);
+    for ((site, passage), (pin, moved)) in sites.zip(holds.pins.iter().zip(&moved)) {
+        let force = pin.force + pin.stiffness * (drawn - moved);
+        if let Some(point) = passage.point() {
+            grip.torque -= (point.place(tissue) - tool.pose.position).cross(&force);
         }
-        if let Passage::Touch(touch) = site {
-            let place = touch.point.place(tissue);
-            let (tip, tangent) = arc.tip();
-            // The coupling's spring alone: its damper would add the encoders' steps.
-            let along = (tip - place).dot(&tangent) * params.stiffness;
-            let f0 = params.f0.map(|f0| f0[n]);
-            if let Some(f0) = f0.filter(|f0| along >= *f0) {
-                let depth = (place - touch.from).dot(&tangent);
-                grip.puncture = Some(Puncture {
-                    site: name,
-                    force: along,
-                    f0,
-                    depth,
-                });
-                *site = Passage::Hole(Hole {
-                    point: touch.point,
-                    from_tip: 0.0,
-                    adhesion: 0.0,
-                });
-            } else if along < -params.stiffness * ADHESION {
-                *site = Passage::Ahead;
-            }
+        if let Passage::Touch(touch) = passage {
+            // Without the damper, whose share would add the encoders' steps.
+            let steady = force + pin.stiffness * (yields * damper);
+            let (next, puncture) = give_way(params, (site, touch), (&tool, steady), tissue);
+            *passage = next;
+            grip.puncture = grip.puncture.or(puncture);
         }
     }
     grip
+}
+
+/// Force on the points that the linear answer to `drawn` leaves out, for the arc's curvature.
+fn bent<const N: usize>(
+    state: &State,
+    arc: &Arc,
+    (holds, moved, drawn): (&Holds, &[Vec3; 4], Vec3),
+    tissue: &Tissue<N>,
+) -> Vec3 {
+    let tool = arc.shifted(state.offset + drawn);
+    let of = |((passage, pin), moved): ((&Passage, &Pin), &Vec3)| {
+        let Passage::Hole(hole) = passage else {
+            return Vec3::zeros();
+        };
+        let place = hole.point.place(tissue);
+        let near = tool.nearest(place);
+        let linear = pin.force + pin.stiffness * (drawn - moved);
+        (near.point - place) * RIGID - (linear - near.tangent * near.tangent.dot(&linear))
+    };
+    state.sites.iter().zip(&holds.pins).zip(moved).map(of).sum()
+}
+
+/// What becomes of a surface that the tip presses with `force`: it gives way at F0, and lets go of a tip that pulls.
+fn give_way<const N: usize>(
+    params: &Params,
+    (site, touch): (Site, &Touch),
+    (tool, force): (&Arc, Vec3),
+    tissue: &Tissue<N>,
+) -> (Passage, Option<Puncture>) {
+    let (_, tangent) = tool.tip();
+    let along = force.dot(&tangent);
+    if let Some(f0) = touch.f0.filter(|f0| along >= *f0) {
+        let puncture = Puncture {
+            site,
+            force: along,
+            f0,
+            depth: (touch.point.place(tissue) - touch.from).dot(&tangent),
+        };
+        let hole = Hole {
+            point: touch.point,
+            from_tip: 0.0,
+            adhesion: 0.0,
+            cut: 0.0,
+        };
+        (Passage::Hole(hole), Some(puncture))
+    } else if along < -params.stiffness * ADHESION {
+        (Passage::Ahead, None)
+    } else {
+        (Passage::Touch(*touch), None)
+    }
 }

@@ -1,10 +1,9 @@
-//! How a site is passed: the states and the geometry that moves between them.
+//! How a site is passed: its states, and the material points in them.
 
-use super::{Arc, Params, State};
+use super::Arc;
 use crate::coupling::Kernel;
-use crate::lattice::{Lattice, Tissue};
+use crate::lattice::Tissue;
 use crate::math::{DT, Vec3};
-use crate::surface::{height, kernel_at};
 
 /// A material point of the tissue: a weighted mean of nodes with an offset that is kept.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -38,18 +37,18 @@ impl Point {
     }
 }
 
-/// The tip presses on the skin.
+/// The tip presses on a surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Touch {
     /// The point that the tip holds.
     pub point: Point,
     /// Where the point was when the tip met it [m].
     pub from: Vec3,
-    /// Where the tip was at the end of the last tick, or when it met the point [m]: what it moved before is none of the point's.
-    pub tip: Vec3,
+    /// Force at which the surface gives way [N]; `None` for a tool that only presses.
+    pub f0: Option<f32>,
 }
 
-/// The needle passes through the skin.
+/// The needle passes through a surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hole {
     /// Constraint point A.
@@ -58,6 +57,17 @@ pub struct Hole {
     pub from_tip: f32,
     /// Arc length at which the shaft adheres [m].
     pub adhesion: f32,
+    /// Length of the track that the tip has cut beyond A [m].
+    pub cut: f32,
+}
+
+/// A hole that the needle has been drawn back out of.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Track {
+    /// Where the surface is open.
+    pub point: Point,
+    /// Length of the cut beyond it [m].
+    pub cut: f32,
 }
 
 /// State of one site.
@@ -70,6 +80,8 @@ pub enum Passage {
     Touch(Touch),
     /// The needle passes.
     Hole(Hole),
+    /// The needle has been drawn back.
+    Track(Track),
     /// The needle has passed; the point is where the thread runs.
     Passed(Point),
 }
@@ -82,49 +94,44 @@ impl Passage {
             Self::Ahead => None,
             Self::Touch(touch) => Some(&touch.point),
             Self::Hole(hole) => Some(&hole.point),
+            Self::Track(track) => Some(&track.point),
             Self::Passed(point) => Some(point),
         }
     }
-}
 
-/// Moves both sites by geometry alone: the tip meets the skin, the needle's ends pass the constraint points.
-pub fn detect<const N: usize>(params: &Params, state: &mut State, arc: &Arc, lattice: &Lattice<N>, tissue: &Tissue<N>) {
-    let (tip, tangent) = arc.tip();
-    let surface = height(lattice, tissue, tip);
-    let meet = || {
-        let point = Point::new(kernel_at(lattice, tissue, tip, params.kernel), tip, tissue);
-        if point.kernel.is_empty() {
-            return Passage::Ahead;
+    /// Whether needle or thread goes through.
+    #[must_use]
+    pub const fn is_through(&self) -> bool {
+        matches!(self, Self::Hole(_) | Self::Passed(_))
+    }
+
+    /// Whether neither needle nor thread is at the site.
+    #[must_use]
+    pub const fn is_out(&self) -> bool {
+        matches!(self, Self::Ahead | Self::Track(_))
+    }
+
+    /// Arc length from the tip to the site while the needle passes it [m].
+    #[must_use]
+    pub const fn from_tip(&self) -> Option<f32> {
+        match self {
+            Self::Hole(hole) => Some(hole.from_tip),
+            _ => None,
         }
-        Passage::Touch(Touch { point, from: tip, tip })
-    };
-    if let (Passage::Ahead, Some(surface)) = (state.left, surface)
-        && tip.z < surface
-    {
-        state.left = meet();
     }
-    let entered = matches!(state.left, Passage::Hole(_) | Passage::Passed(_));
-    if let (true, Passage::Ahead, Some(surface)) = (entered, state.right, surface)
-        && tangent.z > 0.0
-        && tip.z > surface - params.under
-        && tip.z < surface
-    {
-        state.right = meet();
-    }
-    for site in [&mut state.left, &mut state.right] {
-        *site = slide(*site, arc, tissue);
-    }
-}
 
-/// Moves the constraint point along the needle; the needle leaves at its tip or at its swage.
-fn slide<const N: usize>(site: Passage, arc: &Arc, tissue: &Tissue<N>) -> Passage {
-    let Passage::Hole(hole) = site else { return site };
-    let from_tip = arc.nearest(hole.point.place(tissue)).from_tip;
-    if from_tip < 0.0 {
-        Passage::Ahead
-    } else if from_tip > arc.length {
-        Passage::Passed(hole.point)
-    } else {
-        Passage::Hole(Hole { from_tip, ..hole })
+    /// The constraint point slid along the needle; the needle leaves at its tip or at its swage.
+    #[must_use]
+    pub fn slid<const N: usize>(self, arc: &Arc, tissue: &Tissue<N>) -> Self {
+        let Self::Hole(hole) = self else { return self };
+        let from_tip = arc.nearest(hole.point.place(tissue)).from_tip;
+        let cut = hole.cut.max(from_tip);
+        if from_tip < 0.0 {
+            Self::Track(Track { point: hole.point, cut })
+        } else if from_tip > arc.length {
+            Self::Passed(hole.point)
+        } else {
+            Self::Hole(Hole { from_tip, cut, ..hole })
+        }
     }
 }

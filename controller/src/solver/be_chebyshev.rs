@@ -7,10 +7,10 @@
 //! has no such bound, since springs that stiffen in one direction leave it.
 
 use super::points::Points;
-use super::step::{PREDICTED, TAKEN, add_step, predict_step, restrain, take_step};
+use super::step::{PREDICTED, add_step, predict_step, restrain};
 use super::sweep::{Pass, sweep};
 use super::symmetric::Symmetric;
-use super::{Problem, Solver, Work, assembly, operator, spectrum, symmetric, volume};
+use super::{Problem, Solver, Work, assembly, guard, operator, spectrum, symmetric, volume};
 use crate::coupling::POINTS;
 use crate::lanes::{Lanes, blocks, run_on};
 use crate::lattice::{DIRECTIONS, Field, Tissue};
@@ -70,7 +70,7 @@ impl BeChebyshev {
         let n = problem.lattice.len();
         predict_step(lanes, n, tissue, work);
         let predicted = problem.coupling.gather(&work.step);
-        restrain(lanes, problem.lattice, PREDICTED, work);
+        restrain(lanes, problem.lattice, (1.0, PREDICTED), work);
         let started = problem.coupling.gather(&work.step);
         assembly::linearise_blocks(lanes, problem, load, tissue, work);
         operator::load_points(problem, &core::array::from_fn(|p| started[p] - predicted[p]), work);
@@ -98,10 +98,9 @@ impl BeChebyshev {
             correct(points.as_ref(), turn, work);
         }
         add_step(lanes, n, &mut work.step, &work.search);
-        restrain(lanes, problem.lattice, TAKEN, work);
         let reached = problem.coupling.gather(&work.step);
-        take_step(lanes, n, tissue, work);
-        core::array::from_fn(|p| reached[p] - predicted[p])
+        let moved = core::array::from_fn(|p| reached[p] - predicted[p]);
+        guard::take(lanes, (problem, load), &moved, tissue, work)
     }
 }
 

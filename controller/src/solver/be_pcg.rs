@@ -2,8 +2,8 @@
 
 use super::operator;
 use super::points::Points;
-use super::step::{PREDICTED, TAKEN, add_step, predict_step, restrain, take_step};
-use super::{Problem, Solver, Work, assembly};
+use super::step::{PREDICTED, add_step, predict_step, restrain};
+use super::{Problem, Solver, Work, assembly, guard};
 use crate::coupling::POINTS;
 use crate::lanes::{Lanes, blocks, run_on};
 use crate::lattice::{Field, Tissue};
@@ -47,7 +47,7 @@ impl BePcg {
         let n = problem.lattice.len();
         predict_step(lanes, n, tissue, work);
         let predicted = problem.coupling.gather(&work.step);
-        restrain(lanes, problem.lattice, PREDICTED, work);
+        restrain(lanes, problem.lattice, (1.0, PREDICTED), work);
         let started = problem.coupling.gather(&work.step);
         let mut moved: [Vec3; POINTS] = core::array::from_fn(|p| started[p] - predicted[p]);
         for round in 1..=self.newton {
@@ -62,11 +62,7 @@ impl BePcg {
             moved.iter_mut().zip(&further).for_each(|(m, f)| *m += f);
             add_step(lanes, n, &mut work.step, &work.solution);
         }
-        let whole = problem.coupling.gather(&work.step);
-        restrain(lanes, problem.lattice, TAKEN, work);
-        let taken = problem.coupling.gather(&work.step);
-        take_step(lanes, n, tissue, work);
-        core::array::from_fn(|p| moved[p] + (taken[p] - whole[p]))
+        guard::take(lanes, (problem, load), &moved, tissue, work)
     }
 }
 

@@ -5,6 +5,7 @@ mod be_chebyshev;
 mod be_pcg;
 mod choice;
 mod explicit;
+mod guard;
 mod operator;
 mod points;
 mod spectrum;

@@ -188,9 +188,7 @@ pub(super) fn meet<const N: usize>(
 /// Adds the points' force, once they have `moved` from their predicted places, to the residual of the nodes that move.
 pub(super) fn load_points<const N: usize>(problem: &Problem<'_, N>, moved: &[Vec3; POINTS], work: &mut Work<N>) {
     let Problem { lattice, coupling, .. } = problem;
-    let given = coupling.product(moved);
-    let forces = coupling.force.iter().zip(&given).map(|(force, given)| force - given);
-    for (kernel, force) in coupling.kernels.iter().zip(forces) {
+    for (kernel, force) in coupling.kernels.iter().zip(coupling.at(moved)) {
         let moving = |(node, _): &(usize, f32)| lattice.free.get(*node).is_some_and(|free| *free > 0.0);
         for (node, w) in kernel.iter().filter(moving) {
             crate::lattice::add(&mut work.residual, node, force * w);

@@ -84,7 +84,7 @@ impl<'a> Points<'a> {
         if coupling.is_idle() {
             return None;
         }
-        let len = coupling.len().min(POINTS);
+        let len = coupling.points().min(POINTS);
         let mut compliance = [[Mat3::zeros(); POINTS]; POINTS];
         for p in 0..len {
             for q in 0..=p {

@@ -176,6 +176,39 @@ pub(super) fn steepest<L: Lanes, const D: usize, const N: usize>(
     sum
 }
 
+/// Energy of those springs at `strain`, over the square of their rest length [N/m].
+#[inline(always)]
+pub(super) fn stored<L: Lanes, const D: usize, const N: usize>(
+    lanes: L,
+    (lattice, material): (&Lattice<N>, &Material),
+    at: usize,
+    strain: L::F,
+) -> L::F {
+    let half = lanes.splat(0.5);
+    let [first, ..] = &lattice.stiffness;
+    if !material.stiffening {
+        return half * lanes.load(&first[D], at) * strain * strain;
+    }
+    let mut sum = lanes.splat(0.0);
+    let used = material.curves.iter().zip(&lattice.stiffness);
+    for (curve, stiffness) in used.filter(|(curve, _)| curve.young > 0.0) {
+        let breaks = if diagonal::<D>() { &curve.diagonal } else { &curve.edge };
+        let mut energy = half * strain * strain;
+        for (start, rise) in breaks.used() {
+            let over = strain - lanes.splat(start);
+            let beyond = if start < 0.0 { lanes.splat(0.0) - over } else { over };
+            energy = energy + lanes.where_positive(beyond, lanes.splat(0.5 * rise) * over * over);
+        }
+        if diagonal::<D>() {
+            let (start, gain) = breaks.lock;
+            let under = lanes.larger(lanes.splat(-start) - strain, lanes.splat(0.0));
+            energy = energy + lanes.splat(gain / 6.0) * under * under * under;
+        }
+        sum = sum + lanes.load(&stiffness[D], at) * energy;
+    }
+    sum
+}
+
 /// What the springs of direction `D` from nodes `at…` pull their lower nodes with, the ends displaced by `ends` [N].
 #[inline(always)]
 pub(super) fn pull<L: Lanes, const D: usize, const N: usize>(

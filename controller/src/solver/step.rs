@@ -26,18 +26,25 @@ pub(super) const PREDICTED: f32 = 0.1;
 /// Way of a node within a tick beyond which no linearisation holds, over the pitch: 1 m/s of voxels of 2 mm, faster than skin springs back.
 pub(super) const TAKEN: f32 = 0.5;
 
-/// Shortens `work.step` where nodes that move would go further than `most`, over the pitch.
+/// Takes this `part` of `work.step`, or less where nodes that move would go further than `most` over the pitch.
 #[inline(always)]
-pub(super) fn restrain<L: Lanes, const N: usize>(lanes: L, lattice: &Lattice<N>, most: f32, work: &mut Work<N>) {
+pub(super) fn restrain<L: Lanes, const N: usize>(
+    lanes: L,
+    lattice: &Lattice<N>,
+    (part, most): (f32, f32),
+    work: &mut Work<N>,
+) {
     let far = most * lattice.pitch;
     let (one, least) = (lanes.splat(1.0), lanes.splat(far * far));
     for at in blocks::<L, N>(lattice.len()) {
         let [x, y, z] = lanes.vector(&work.step, at);
         let square = x * x + y * y + z * z;
         let shorter = one - lanes.splat(far) / lanes.root(lanes.larger(square, least));
-        let keep = one - lanes.where_positive(lanes.load(&lattice.free, at), shorter);
-        for (part, step) in work.step.iter_mut().zip([x, y, z]) {
-            lanes.store(keep * step, part, at);
+        let free = lanes.load(&lattice.free, at);
+        let keep = one - lanes.where_positive(free, shorter);
+        let keep = keep * (one - lanes.where_positive(free, lanes.splat(1.0 - part)));
+        for (kept, step) in work.step.iter_mut().zip([x, y, z]) {
+            lanes.store(keep * step, kept, at);
         }
     }
 }

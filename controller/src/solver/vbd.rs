@@ -55,7 +55,7 @@ impl Vbd {
         let n = problem.lattice.len();
         predict_step(lanes, n, tissue, work);
         let predicted = problem.coupling.gather(&work.step);
-        restrain(lanes, problem.lattice, PREDICTED, work);
+        restrain(lanes, problem.lattice, (1.0, PREDICTED), work);
         advance_place(lanes, n, tissue, work);
         begin(lanes, problem, load, work);
         let mut points = [None, None];

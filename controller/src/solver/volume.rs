@@ -24,9 +24,14 @@ struct Shape<F> {
     stiffness: F,
 }
 
-/// Shape of the voxels from index `at` at displacements `place`.
+/// C_i by axis of the voxels from index `at` at displacements `place`, and J − 1.
 #[inline(always)]
-fn shape<L: Lanes, const N: usize>(lanes: L, lattice: &Lattice<N>, place: &Field<N>, at: usize) -> Shape<L::F> {
+fn faces<L: Lanes, const N: usize>(
+    lanes: L,
+    lattice: &Lattice<N>,
+    place: &Field<N>,
+    at: usize,
+) -> ([[L::F; 3]; 3], L::F) {
     let mut moved = mean_edges(lanes, lattice, place, at);
     for edge in &mut moved {
         for c in 0..3 {
@@ -45,14 +50,69 @@ fn shape<L: Lanes, const N: usize>(lanes: L, lattice: &Lattice<N>, place: &Field
     // J − 1 without the difference: that of E_x and its rest, and of the part of C_x along x and its rest.
     let [x, y, z] = moved;
     let growth = dot::<L>(x, faces[0]) + (y[1] + z[2] + (y[1] * z[2] - y[2] * z[1]));
+    (faces, growth)
+}
+
+/// How far J is below J_b where it grew by `growth`.
+#[inline(always)]
+fn under<L: Lanes>(lanes: L, growth: L::F) -> L::F {
+    lanes.splat(BARRIER_BELOW - 1.0) - growth
+}
+
+/// Shape of the voxels from index `at` at displacements `place`.
+#[inline(always)]
+fn shape<L: Lanes, const N: usize>(lanes: L, lattice: &Lattice<N>, place: &Field<N>, at: usize) -> Shape<L::F> {
+    let (faces, growth) = faces(lanes, lattice, place, at);
     let volume = lanes.load(&lattice.volume, at);
-    let under = lanes.splat(BARRIER_BELOW - 1.0) - growth;
+    let under = under(lanes, growth);
     let barrier = lanes.where_positive(under, lanes.load(&lattice.barrier, at));
     Shape {
         faces,
         pressure: volume * growth - barrier * under,
         stiffness: volume + barrier,
     }
+}
+
+/// The voxels' energy at displacements `place` [J].
+#[inline(always)]
+pub(super) fn energy<L: Lanes, const N: usize>(
+    lanes: L,
+    lattice: &Lattice<N>,
+    place: &Field<N>,
+    given: &mut Given<N>,
+) -> f32 {
+    let mut pass = Energy {
+        lattice,
+        place,
+        sum: lanes.nothing(),
+    };
+    sweep_voxels(lanes, lattice, given, &mut pass);
+    lanes.total(pass.sum)
+}
+
+struct Energy<'a, L: Lanes, const N: usize> {
+    lattice: &'a Lattice<N>,
+    place: &'a Field<N>,
+    sum: L::Sum,
+}
+
+impl<L: Lanes, const N: usize> VoxelPass<L, 0> for Energy<'_, L, N> {
+    #[inline(always)]
+    fn voxel(&mut self, lanes: L, at: usize) -> [[L::F; 0]; DIAGONALS] {
+        let Lattice {
+            volume, barrier, pitch, ..
+        } = self.lattice;
+        let (_, growth) = faces(lanes, self.lattice, self.place, at);
+        let under = lanes.larger(under(lanes, growth), lanes.splat(0.0));
+        let swollen = lanes.load(volume, at) * growth * growth;
+        let over_volume = lanes.splat(0.5) * (swollen + lanes.load(barrier, at) * under * under);
+        let voxel = lanes.splat(pitch * pitch * pitch);
+        self.sum = lanes.add(self.sum, at, over_volume * voxel);
+        [[]; DIAGONALS]
+    }
+
+    #[inline(always)]
+    fn node(&mut self, _: L, _: usize, _: [L::F; 0], _: [L::F; 0]) {}
 }
 
 /// Adds the voxels' force at displacements `place` to `force` [N].

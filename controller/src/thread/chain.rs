@@ -37,8 +37,6 @@ pub(super) struct Chain {
 pub(super) struct Strain {
     pub(super) tension: [f32; PIECES],
     pub(super) stiffness: [[f32; PIECES]; PIECES],
-    /// Length of thread that slips through the knot towards the tail [m].
-    pub(super) slip: f32,
 }
 
 impl Chain {
@@ -155,17 +153,15 @@ impl Chain {
         let mut strain = Strain {
             tension: [0.0; PIECES],
             stiffness: [[0.0; PIECES]; PIECES],
-            slip: 0.0,
         };
         if let Some(rest) = knot {
             let tail_side = self.length_from(1);
-            let held = knot::hold(params, [self.length_from(0) - tail_side, tail_side], rest);
-            let ([a, b], [aa, bb]) = (held.tension, held.stiffness);
+            let length = [self.length_from(0) - tail_side, tail_side];
+            let [(a, aa), (b, bb)] = knot::hold(params, length, rest, slack);
             strain.add(0..1, 0..1, aa);
             strain.add(1..self.len, 1..self.len, bb);
             strain.pull(0..1, a);
             strain.pull(1..self.len, b);
-            strain.slip = held.slip;
             rub(params, self, 1, &mut strain);
         } else {
             let (tension, stiffness) = spring(params.stiffness(), self.length_from(0) - params.rest, slack);

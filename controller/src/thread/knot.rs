@@ -1,42 +1,31 @@
-//! The knot: it ties the thread at its last puncture, and slips where the tensions on its two sides differ by more than it holds.
+//! The knot: it ties the thread at its last puncture. Within a tick it holds; it slips at the end of one in which the tensions on its two sides differ by
+//! more than it holds.
 
 use super::config::Params;
 use super::link::spring;
 
-/// Both sides of a knot.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(super) struct Held {
-    /// Tensions towards the needle and towards the tail [N].
-    pub(super) tension: [f32; 2],
-    /// What each gains with its own length [N/m].
-    pub(super) stiffness: [f32; 2],
-    /// Rest length that goes from the needle's side to the tail's at the end of the tick [m].
-    pub(super) slip: f32,
+/// Two parts of a link, `length` long and of rest lengths `rest` [m], on both sides of a knot that holds, towards the needle and towards
+/// the tail: tension [N], and what it gains with its own length [N/m]. For `slack` see [`spring`].
+pub(super) fn hold(params: &Params, length: [f32; 2], rest: [f32; 2], slack: f32) -> [(f32, f32); 2] {
+    [0, 1].map(|side| spring(tied_stiffness(params, rest[side]), length[side] - rest[side], slack))
 }
 
-/// Two parts of a link, `length` long and of rest lengths `rest` [m], on both sides of a knot. Within a tick it holds; at the end it slips
-/// by what brings the difference of their tensions back to the limit.
-pub(super) fn hold(params: &Params, length: [f32; 2], rest: [f32; 2]) -> Held {
-    let [needle, tail] = [0, 1].map(|side| {
-        let stiffness = tied_stiffness(params, rest[side]);
-        spring(stiffness, length[side] - rest[side], 0.0)
-    });
-    let difference = tail.0 - needle.0;
+/// Rest length that goes from the needle's side of a knot to the tail's at the end of a tick, so that their tensions `needle` and `tail`
+/// [N] come to differ by no more than the limit. `compliance` is that of the thread on both sides up to what holds it next [m/N]; that
+/// gives way too, so this is never too much.
+pub(super) fn slip(params: &Params, [needle, tail]: [f32; 2], compliance: [f32; 2]) -> f32 {
     let limit = params.knot.unwrap_or_default();
+    let difference = tail - needle;
     let excess = difference - difference.max(-limit).min(limit);
-    Held {
-        tension: [needle.0, tail.0],
-        stiffness: [needle.1, tail.1],
-        slip: excess / (needle.1 + tail.1).max(f32::MIN_POSITIVE),
-    }
+    let stiffness: f32 = compliance.iter().map(|compliance| 1.0 / compliance).sum();
+    // A blow is no slip: half a link a tick is more than a knot gives way by.
+    let most = 0.5 * params.rest;
+    (excess / stiffness).max(-most).min(most)
 }
 
 /// Lets `slip` through the knot in `link`, whose parts have `rest` lengths; a node that slips through leaves the knot in the next link.
-pub(super) fn slip(params: &Params, link: usize, rest: [f32; 2], slip: f32) -> (usize, [f32; 2]) {
+pub(super) fn lead(params: &Params, link: usize, rest: [f32; 2], slip: f32) -> (usize, [f32; 2]) {
     let [needle, tail] = rest;
-    // A blow is no slip: half a link a tick is more than a knot gives way by.
-    let most = 0.5 * params.rest;
-    let slip = slip.max(-most).min(most);
     let (needle, tail) = (needle - slip, tail + slip);
     if slip == 0.0 {
         (link, rest)

@@ -13,6 +13,7 @@
 //! settle     back-substitution → velocities → eyelets → Pull
 //! ```
 
+mod adhere;
 mod answer;
 mod chain;
 mod config;

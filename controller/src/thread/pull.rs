@@ -44,20 +44,21 @@ pub fn eq11(c: f32, elongation: f32, compliance: f32) -> f32 {
 
 /// Sums of a run of links.
 #[derive(Clone, Copy, Default)]
-struct Sum {
+pub(super) struct Sum {
     length: f32,
     elongation: f32,
-    compliance: f32,
+    /// [m/N].
+    pub(super) compliance: f32,
 }
 
 impl Sum {
-    fn link(&mut self, params: &Params, length: f32) {
+    pub(super) fn link(&mut self, params: &Params, length: f32) {
         self.length += length;
         self.elongation += length - params.rest;
         self.compliance += params.rest / params.axial;
     }
 
-    fn part(&mut self, params: &Params, length: f32, rest: f32) {
+    pub(super) fn part(&mut self, params: &Params, length: f32, rest: f32) {
         self.length += length;
         self.elongation += length - rest;
         self.compliance += 1.0 / tied_stiffness(params, rest);
@@ -71,7 +72,7 @@ impl Sum {
         }
     }
 
-    fn tension(&self) -> f32 {
+    pub(super) fn tension(&self) -> f32 {
         eq11(1.0, self.elongation, self.compliance)
     }
 }

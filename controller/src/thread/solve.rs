@@ -2,13 +2,13 @@
 
 use core::ops::Range;
 
+use super::adhere::{adhere, grip};
 use super::answer::answer;
-use super::chain::{Chain, Strain};
+use super::chain::Chain;
 use super::config::Params;
 use super::contact::{Ground, Touch, press};
 use super::course::{Course, slide};
 use super::front::{Condensed, Crossing, Front, Row};
-use super::knot;
 use super::link::{self, Link};
 use super::pull::{Pull, pull};
 use super::state::{NODES_MAX, Place, State};
@@ -224,47 +224,6 @@ fn forward(
     let seen = seen(work);
     front.end(held, &seen, &mut work.reduced);
     work.reduced.symmetrise();
-}
-
-/// Keeps the friction of the iterate.
-fn grip(params: &Params, course: &mut Course, (chain, eyelets): (&Chain, Range<usize>), strain: &Strain) {
-    if params.friction.is_none() {
-        return;
-    }
-    let tied = usize::from(course.knot.is_some() && eyelets.end == course.count);
-    let held = course.eyelets.get_mut(eyelets).unwrap_or_default().iter_mut().rev();
-    let parted = strain.tension.iter().zip(strain.tension.iter().skip(1));
-    for (eyelet, (before, behind)) in held.zip(parted).take(chain.eyelets()).skip(tied) {
-        eyelet.grip.drag = before - behind;
-    }
-}
-
-/// Lets the thread adhere where it has come to, and the knot slip: the tick's end.
-fn adhere(params: &Params, state: &mut State) {
-    if params.friction.is_none() && state.course.knot.is_none() {
-        return;
-    }
-    let mut newer = state.course.count;
-    while let Some(newest) = newer.checked_sub(1).and_then(|index| state.course.eyelets.get(index)) {
-        let link = newest.link;
-        let eyelets = state.course.within(link, newer);
-        let tied = state.course.knot.filter(|_| eyelets.end == state.course.count);
-        let chain = Chain::new((&state.nodes, params.nodes), &state.course, link, eyelets.clone());
-        let strain = chain.strain(params, 0.0, tied);
-        grip(params, &mut state.course, (&chain, eyelets.clone()), &strain);
-        let from = usize::from(tied.is_some());
-        let held = state.course.eyelets.get_mut(eyelets.clone()).unwrap_or_default();
-        for (index, eyelet) in held.iter_mut().rev().enumerate().skip(from) {
-            let strained = eyelet.grip.drag / params.stiffness();
-            eyelet.grip.adhesion = Some(chain.way(from, index + 1) - strained);
-        }
-        newer = eyelets.start;
-        if let (Some(rest), Some(eyelet)) = (tied, state.course.eyelets.get_mut(eyelets.end - 1)) {
-            let (link, rest) = knot::slip(params, link, rest, strain.slip);
-            eyelet.link = link;
-            state.course.knot = Some(rest);
-        }
-    }
 }
 
 /// What nodes behind the last crossing see of the eyelets.

@@ -4,6 +4,7 @@
 
 mod params;
 mod sewing;
+mod view;
 
 pub use params::ConfigError;
 
@@ -11,7 +12,7 @@ use crate::coupling::Coupling;
 use crate::event::{Fault, Faults};
 use crate::hash::Hasher;
 use crate::lanes::Level;
-use crate::lattice::{Field, Lattice, Tissue};
+use crate::lattice::{Balance, Field, Lattice, Tissue};
 use crate::math::{Pose, Vec3, finite, length};
 use crate::needle::{self, Arc, Passage};
 use crate::record::{Output, Sample};
@@ -88,6 +89,7 @@ impl<'m, const N: usize> Controller<'m, N> {
         for field in [&mut tissue.displacement, &mut tissue.velocity, load] {
             field.iter_mut().for_each(|c| c.fill(0.0));
         }
+        tissue.balance = Balance::default();
         work.clear();
         let alone = Problem {
             lattice,
@@ -111,6 +113,7 @@ impl<'m, const N: usize> Controller<'m, N> {
 
     /// The patch and its state, for studies that begin elsewhere than at rest, or hold what the scene does not.
     pub const fn patch_mut(&mut self) -> (&mut Lattice<N>, &mut Tissue<N>) {
+        self.memory.tissue.balance.known = 0;
         (&mut self.memory.lattice, &mut self.memory.tissue)
     }
 
@@ -133,7 +136,7 @@ impl<'m, const N: usize> Controller<'m, N> {
 
         // contact
         let mut coupling = Coupling::default();
-        needle::detect(&params.needle, &mut state.needle, &arc, lattice, tissue);
+        needle::detect(&params.needle, &mut state.needle, &arc, &params.body(lattice, tissue));
         let holds = needle::couple(&params.needle, &mut state.needle, &arc, tissue, &mut coupling);
 
         // thread
@@ -189,14 +192,18 @@ impl<'m, const N: usize> Controller<'m, N> {
                 hasher.vector(crate::lattice::at(field, node));
             }
         }
-        for site in [&state.needle.left, &state.needle.right] {
+        hasher.vector(Vec3::new(tissue.balance.caution, 0.0, 0.0));
+        for site in &state.needle.sites {
             if let Some(point) = site.point() {
                 hasher.vector(point.rest);
             }
-            if let Passage::Hole(hole) = site {
-                hasher.vector(Vec3::new(hole.from_tip, hole.adhesion, 0.0));
+            match site {
+                Passage::Hole(hole) => hasher.vector(Vec3::new(hole.from_tip, hole.adhesion, hole.cut)),
+                Passage::Track(track) => hasher.vector(Vec3::x() * track.cut),
+                Passage::Ahead | Passage::Touch(_) | Passage::Passed(_) => {}
             }
         }
+        hasher.vector(state.needle.offset);
         hasher.vector(state.safety.sent);
         hasher.vector(Vec3::new(state.safety.energy, 0.0, 0.0));
         if let (Some(thread), Some(run)) = (&params.thread, &state.thread) {

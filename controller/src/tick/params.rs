@@ -5,7 +5,7 @@ use crate::lanes::Level;
 use crate::lattice::{Lattice, Tissue};
 use crate::law::Material;
 use crate::math::{Pose, Vec3};
-use crate::needle::{self, Point};
+use crate::needle::{self, Body, Point};
 use crate::safety;
 use crate::solver::{Choice, Problem, Refused};
 use crate::surface::{self, Bridge};
@@ -90,6 +90,19 @@ impl Params {
         }
     }
 
+    /// What the tool meets.
+    pub(super) const fn body<'a, const N: usize>(
+        &'a self,
+        lattice: &'a Lattice<N>,
+        tissue: &'a Tissue<N>,
+    ) -> Body<'a, N> {
+        Body {
+            lattice,
+            tissue,
+            faces: self.faces.as_ref(),
+        }
+    }
+
     /// Width of the wound now; zero without one.
     pub(super) fn gap<const N: usize>(&self, lattice: &Lattice<N>, tissue: &Tissue<N>) -> Gap {
         let faces = self.faces.as_ref();
@@ -109,7 +122,7 @@ impl Params {
         };
         let mut tail = Point::default();
         if let (Some(_), Some(stitch)) = (&thread, &scene.stitch) {
-            let [x, y] = stitch.left_m;
+            let [x, y] = stitch.a_m;
             let above = Vec3::new(x, y, 0.0);
             let z = surface::height(lattice, tissue, above).ok_or(ConfigError::NoSkinAtSite)?;
             let place = Vec3::new(x, y, z);

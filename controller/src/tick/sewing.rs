@@ -2,19 +2,45 @@
 
 use super::State;
 use super::params::Params;
-use crate::coupling::{Coupling, POINTS, PUNCTURES, RIGHT, TAIL};
+use crate::coupling::{Coupling, D, POINTS, PUNCTURES, TAIL};
 use crate::lattice::{Field, Lattice, Tissue};
 use crate::math::Vec3;
-use crate::needle::{Arc, Passage};
+use crate::needle::{self, Arc, Passage};
 use crate::surface::{self, Bridge};
 use crate::thread::{self, Ends, Ground, Pull, Touch};
-use sutura_shared::scene::Stage;
+use sutura_shared::scene::{Site, Stage};
 
 /// About what skin answers a point's displacement with [N/m]; it steers the thread's own iterations only.
 const SURFACE_STIFFNESS: f32 = 300.0;
 
+/// The sites that the thread runs through, in the order in which the needle passes them, each with the point that it has in common with the
+/// needle: d alone, where it leaves the tissue.
+const RUNS_THROUGH: [(Site, usize); 1] = [(Site::D, D)];
+
 /// The points that hold the thread, in its order: its tail, then the punctures that it runs through.
-const HOLDS: [usize; 2] = [TAIL, RIGHT];
+fn slots() -> impl Iterator<Item = usize> {
+    [TAIL].into_iter().chain(RUNS_THROUGH.map(|(_, slot)| slot))
+}
+
+/// Leads the thread through every site that the needle has passed, and gives where each will be if nothing pulls on it [m].
+fn lead_through<const N: usize>(
+    run: &mut thread::State,
+    needle: &needle::State,
+    tissue: &Tissue<N>,
+) -> [Vec3; PUNCTURES] {
+    let mut eyelets = [Vec3::zeros(); PUNCTURES];
+    let sites = RUNS_THROUGH.iter().zip(&mut eyelets).enumerate();
+    for (index, ((site, _), eyelet)) in sites {
+        let Passage::Passed(point) = needle.at(*site) else {
+            break;
+        };
+        if run.course.count == index {
+            run.lead_through(point.place(tissue));
+        }
+        *eyelet = point.predicted(tissue);
+    }
+    eyelets
+}
 
 /// States the thread's pull on its points, condensed, and adds it to the coupling.
 pub(super) fn strain<const N: usize>(
@@ -28,13 +54,7 @@ pub(super) fn strain<const N: usize>(
     let tail = params.tail.predicted(tissue);
     let laid = || thread::State::laid(thread, arc.swage(), tail, Vec3::y());
     let run = state.thread.get_or_insert_with(laid);
-    let mut eyelets = [Vec3::zeros(); PUNCTURES];
-    if let (Passage::Passed(point), [first, ..]) = (&state.needle.right, &mut eyelets) {
-        if run.course.count == 0 {
-            run.lead_through(point.place(tissue));
-        }
-        *first = point.predicted(tissue);
-    }
+    let eyelets = lead_through(run, &state.needle, tissue);
     if state.stage.stage == Stage::Tie && state.stage.ticks == 0 {
         // The knot holds before the needle is cut off.
         run.tie(thread);
@@ -52,7 +72,7 @@ pub(super) fn strain<const N: usize>(
     };
     let condensed = thread::condense(thread, run, &ends, &skin, work);
     coupling.kernels[TAIL] = params.tail.kernel;
-    let held = || HOLDS.into_iter().zip(0..condensed.len);
+    let held = || slots().zip(0..condensed.len);
     for (a, p) in held() {
         coupling.force[a] += condensed.force[p];
         for (b, q) in held() {
@@ -73,7 +93,7 @@ pub(super) fn relax<const N: usize>(
         return Pull::default();
     };
     let mut ends = [Vec3::zeros(); POINTS];
-    ends.iter_mut().zip(HOLDS).for_each(|(end, a)| *end = moved[a]);
+    ends.iter_mut().zip(slots()).for_each(|(end, a)| *end = moved[a]);
     let pull = thread::settle(thread, run, work, &ends);
     if params.lies {
         load.iter_mut()

@@ -52,7 +52,7 @@ pub fn assemble<const N: usize>(scene: &Scene, cells: &[u8], lattice: &mut Latti
     }
     let mut material = Material {
         stiffening: scene.effects.has(Effect::Stiffening),
-        volume: matches!(grid.law, Law::Volume { .. }),
+        volume: has_barrier(scene),
         mass_damping: grid.damping_per_s,
         spring_damping: if scene.effects.has(Effect::SpringDamping) {
             grid.spring_damping_s
@@ -118,9 +118,15 @@ struct Springs {
     barrier: f32,
 }
 
+/// Whether voxels resist being turned inside out.
+fn has_barrier(scene: &Scene) -> bool {
+    matches!(scene.lattice.law, Law::Volume { .. }) || scene.effects.has(Effect::Barrier)
+}
+
 fn parts(scene: &Scene, material: &mut Material) -> Result<[Option<Part>; scene::TISSUES_MAX], Error> {
     let a = scene.lattice.pitch_m;
     let stiffness = law::stiffness(scene.lattice.law);
+    let barrier = if has_barrier(scene) { law::BARRIER } else { 0.0 };
     let mut parts = [None; scene::TISSUES_MAX];
     let mut soft = 0;
     for (part, tissue) in parts.iter_mut().zip(&scene.tissues) {
@@ -140,7 +146,7 @@ fn parts(scene: &Scene, material: &mut Material) -> Result<[Option<Part>; scene:
                     upright: edge,
                     diagonal: stiffness.diagonal * ea * sheet,
                     volume: stiffness.volume * curve.young * sheet,
-                    barrier: stiffness.barrier * curve.young * sheet,
+                    barrier: barrier * curve.young * sheet,
                 })
             }
         };

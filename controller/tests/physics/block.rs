@@ -1,8 +1,8 @@
 //! A block of voxels as a scene without a hand, assembled.
 
-use sutura_controller::coupling::{Coupling, Kernel, LEFT, POINTS};
+use sutura_controller::coupling::{A, Coupling, Kernel, POINTS};
 use sutura_controller::lanes::Level;
-use sutura_controller::lattice::{Field, Lattice, Tissue, at};
+use sutura_controller::lattice::{Balance, Field, Lattice, Tissue, at};
 use sutura_controller::law::Material;
 use sutura_controller::math::{Mat3, Vec3};
 use sutura_controller::solver::{BePcg, Choice, Problem, Solver, Work, elastic_force, predict};
@@ -147,6 +147,7 @@ impl Block {
                 component[n] = u as f32;
             }
         }
+        self.tissue.balance = Balance::default();
     }
 
     /// Elastic force on the nodes of the upper face across `axis`, summed [N]: what the block pulls back with.
@@ -281,10 +282,10 @@ impl Hold {
         let mut coupling = Coupling::default();
         let mut kernel = Kernel::default();
         self.nodes.iter().for_each(|(node, w)| kernel.push(*node as u32, *w));
-        coupling.kernels[LEFT] = kernel;
-        let predicted = kernel.gather(&tissue.displacement) + predict(&coupling, tissue)[LEFT];
-        coupling.force[LEFT] = (self.anchor - predicted) * self.stiffness;
-        coupling.stiffness[LEFT][LEFT] = Mat3::identity() * self.stiffness;
+        coupling.kernels[A] = kernel;
+        let predicted = kernel.gather(&tissue.displacement) + predict(&coupling, tissue)[A];
+        coupling.force[A] = (self.anchor - predicted) * self.stiffness;
+        coupling.stiffness[A][A] = Mat3::identity() * self.stiffness;
         coupling
     }
 }

@@ -1,7 +1,7 @@
 //! The faces of a wound that is pressed shut: they meet, and pass each other by no more than the penalty asks for.
 
 use super::block::{Block, linear, scene};
-use sutura_controller::coupling::{Coupling, Kernel, LEFT, RIGHT};
+use sutura_controller::coupling::{A, Coupling, D, Kernel};
 use sutura_controller::math::Vec3;
 use sutura_controller::wound::{self, Faces};
 use sutura_shared::scene::{Effect, Law, Wound};
@@ -44,7 +44,7 @@ fn cut() -> (Block, Faces) {
 fn press(block: &mut Block, name: &str, force: f32, faces: Option<&Faces>) {
     let solver = block.solver(name);
     let mut coupling = Coupling::default();
-    for (slot, column, sign) in [(LEFT, GAP, 1.0), (RIGHT, GAP + 1, -1.0)] {
+    for (slot, column, sign) in [(A, GAP, 1.0), (D, GAP + 1, -1.0)] {
         let mut kernel = Kernel::default();
         for k in [3, 4] {
             kernel.push(block.lattice.index([u32::from(column), 2, k]) as u32, 0.5);

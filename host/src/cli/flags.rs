@@ -4,6 +4,7 @@ use std::fmt::{self, Display, Formatter};
 use std::str::FromStr;
 
 use sutura_controller::lanes::Level;
+use sutura_controller::math::TICK_HZ;
 use sutura_shared::scene::Law;
 
 /// Poisson's ratio of the law `isotropic`: whoever names it beside that law says nothing new.
@@ -34,6 +35,16 @@ pub(crate) fn simd(text: &str) -> Result<Level, String> {
         let names: Vec<_> = Level::all().map(Level::name).collect();
         format!("this processor has {}", names.join(", "))
     })
+}
+
+/// The ticks from frame to frame of `--fps`.
+pub(crate) fn every(text: &str) -> Result<u32, String> {
+    let fps = text
+        .parse()
+        .ok()
+        .filter(|fps| (1..=TICK_HZ).contains(fps) && TICK_HZ.is_multiple_of(*fps));
+    fps.map(|fps: u32| TICK_HZ / fps)
+        .ok_or_else(|| format!("a divisor of {TICK_HZ} is needed, such as 10, 20, 25 or 50"))
 }
 
 /// Three counts with `BETWEEN` between them.

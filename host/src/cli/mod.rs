@@ -3,5 +3,6 @@
 pub(crate) mod flags;
 pub(crate) mod moduli;
 pub(crate) mod poke;
+pub(crate) mod score;
 pub(crate) mod study;
 pub(crate) mod ticks;

@@ -222,6 +222,7 @@ fn refusals_say_why_and_the_link_goes_on() {
             tool: Tool::Needle {
                 radius_m: 0.01,
                 length_m: 0.03,
+                grasp_m: 0.01,
             },
             ..scene(0.005)
         };

@@ -221,7 +221,8 @@ fn names<DB: DrawingBackend>(chart: &mut Chart<'_, DB>, area: &Area<DB>, front: 
         let (width, height) = area.estimate_text_size(&point.name, &style)?;
         boxes.push((chart.backend_coord(&point.at), [width as i32 + 4, height as i32 + 3]));
     }
-    for (point, ((from, size), corner)) in front.iter().zip(boxes.iter().zip(place(&boxes))) {
+    let (_, line) = chart.backend_coord(&(1.0, UNFELT));
+    for (point, ((from, size), corner)) in front.iter().zip(boxes.iter().zip(place(&boxes, line))) {
         let to = (corner.0 - from.0, corner.1 - from.1);
         let paper = Rectangle::new(
             [(to.0 - size[0], to.1), (to.0, to.1 + size[1])],
@@ -235,10 +236,11 @@ fn names<DB: DrawingBackend>(chart: &mut Chart<'_, DB>, area: &Area<DB>, front: 
 }
 
 /// Upper right corners of names, given their points from left to right, each further down, and the size of each name [pixels]: left of and below the
-/// point, and below every name before that is in the way.
-fn place(points: &[((i32, i32), [i32; 2])]) -> Vec<(i32, i32)> {
+/// point, and below the level `line` and every name before where they are in the way.
+fn place(points: &[((i32, i32), [i32; 2])], line: i32) -> Vec<(i32, i32)> {
     const AWAY: (i32, i32) = (12, 8);
-    let mut placed: Vec<((i32, i32), [i32; 2])> = Vec::new();
+    const WIDE: i32 = 1 << 20;
+    let mut placed: Vec<((i32, i32), [i32; 2])> = vec![((WIDE, line - 2), [2 * WIDE, 5])];
     for &((x, y), size) in points {
         let (right, mut top) = (x - AWAY.0, y + AWAY.1);
         for &((its_right, its_top), [its_width, its_height]) in &placed {
@@ -250,7 +252,7 @@ fn place(points: &[((i32, i32), [i32; 2])]) -> Vec<(i32, i32)> {
         }
         placed.push(((right, top), size));
     }
-    placed.into_iter().map(|(corner, _)| corner).collect()
+    placed.into_iter().skip(1).map(|(corner, _)| corner).collect()
 }
 
 fn colour(solver: &str) -> RGBColor {
@@ -279,13 +281,15 @@ mod tests {
         let steep = (0..8).map(|n| ((400 + 3 * n, 100 + 40 * n), [120, 18]));
         let flat = (0..8).map(|n| ((440 + 40 * n, 400 + 3 * n), [120, 18]));
         let points: Vec<_> = steep.chain(flat).collect();
-        let corners = place(&points);
+        let corners = place(&points, 120);
         let boxes: Vec<_> = corners
             .iter()
             .zip(&points)
             .map(|(corner, (_, size))| (*corner, *size))
             .collect();
         for (count, a) in boxes.iter().enumerate() {
+            let ((_, top), [_, height]) = *a;
+            assert!(top > 120 || top + height < 120, "{a:?} lies on the line");
             for b in &boxes[..count] {
                 assert!(apart([*a, *b]), "{a:?} {b:?}");
             }

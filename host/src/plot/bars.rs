@@ -105,7 +105,7 @@ fn column<B: DrawingBackend>(area: &DrawingArea<B, Shift>, panel: &Panel, colour
         .light_line_style(TRANSPARENT)
         .x_desc(panel.title)
         .x_labels(5)
-        .x_label_formatter(&|value| format!("{value}"))
+        .x_label_formatter(&|value| label(*value, low))
         .label_style((FONT, 20).into_font().color(&INK))
         .axis_desc_style((FONT, 24).into_font().color(&INK))
         .draw()?;
@@ -123,6 +123,15 @@ fn column<B: DrawingBackend>(area: &DrawingArea<B, Shift>, panel: &Panel, colour
         chart.draw_series([Text::new(text, (end, middle), style.clone())])?;
     }
     Ok(())
+}
+
+/// A tick's number; none at the panel's left edge, where it would reach into the panel before.
+fn label(value: f64, low: f64) -> String {
+    if value < 1.5 * low {
+        String::new()
+    } else {
+        format!("{value}")
+    }
 }
 
 /// From a power of ten below the least value that counts to one with room for a number beyond the greatest.

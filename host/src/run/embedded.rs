@@ -2,6 +2,7 @@
 
 use std::thread::JoinHandle;
 
+use crossbeam_channel::Receiver;
 use sutura_controller::lanes::Level;
 use sutura_controller::lattice::PC_NODES;
 use sutura_controller::link::{LoadError, Loaded, Plant};
@@ -10,6 +11,7 @@ use sutura_controller::rig::Rig;
 use sutura_controller::tick::{Controller, Memory};
 use sutura_shared::scene::Scene;
 
+use super::watch::{Seen, Watched};
 use crate::link::{ChannelTransport, Pace, Ran, channel, run_controller};
 
 /// Most nodes of the embedded controller's patch.
@@ -64,16 +66,29 @@ impl Plant for PcRig<'_> {
     }
 }
 
-/// Starts a controller, its passes on `level`, and gives the host's end of the line to it. The thread ends when that end is dropped.
+/// The host's side of an embedded controller.
+#[derive(Debug)]
+pub struct Embedded {
+    /// The line to it; the controller's thread ends when this is dropped.
+    pub line: ChannelTransport,
+    /// What is seen of it: one record a tick, there before the tick's telemetry is.
+    pub seen: Receiver<Seen>,
+    /// Its thread.
+    pub thread: JoinHandle<Ran>,
+}
+
+/// Starts a controller, its passes on `level`; it shows the whole patch `every` so many ticks.
 ///
 /// # Errors
 /// The system gives no thread.
-pub fn start(pace: Pace, level: Level) -> std::io::Result<(ChannelTransport, JoinHandle<Ran>)> {
-    let (ours, theirs) = channel(PIECES);
+pub fn start(pace: Pace, level: Level, every: Option<u32>) -> std::io::Result<Embedded> {
+    let (line, theirs) = channel(PIECES);
+    let (sink, seen) = crossbeam_channel::unbounded();
     let body = move || {
         let mut memory: Box<Memory<PC_NODES>> = bytemuck::zeroed_box();
-        run_controller(theirs, PcRig::new(&mut memory, level), pace)
+        let rig = PcRig::new(&mut memory, level);
+        run_controller(theirs, Watched { rig, every, sink }, pace)
     };
     let thread = std::thread::Builder::new().name("controller".to_owned()).spawn(body)?;
-    Ok((ours, thread))
+    Ok(Embedded { line, seen, thread })
 }

@@ -3,11 +3,18 @@
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
-use super::log::{Log, length};
+use super::log::{Log, Puncture, length};
+use super::watch::Motion;
 use crate::plot;
 
 /// The copy of the scene as it ran.
-const SCENE: &str = "scene.toml";
+pub(crate) const SCENE: &str = "scene.toml";
+/// Force and place of the hand by tick.
+pub(crate) const FORCE: &str = "force.csv";
+/// The tool's orientation and the thread by tick.
+pub(crate) const MOTION: &str = "motion.csv";
+/// One line a puncture.
+pub(crate) const PUNCTURES: &str = "punctures.csv";
 
 /// Makes the folder of a run, so that a run does not end in vain.
 ///
@@ -34,7 +41,7 @@ pub fn spare(out: &Path, scene: Option<&Path>, copy: &str) -> Result<(), Error> 
     Ok(())
 }
 
-/// Writes `scene.toml`, `force.csv` and `force.png`.
+/// Writes `scene.toml`, `force.csv`, `motion.csv`, `punctures.csv` and `force.png`.
 ///
 /// # Errors
 /// The file system refuses, or the picture cannot be drawn.
@@ -46,14 +53,23 @@ pub fn write(out: &Path, copy: &str, title: &str, log: &Log) -> Result<(), Error
         })
     };
     whole(&out.join(SCENE), |path| file(path, std::fs::write(path, copy)))?;
-    whole(&out.join("force.csv"), |path| file(path, csv(path, log)))?;
+    for (name, table) in [(FORCE, force as Table), (MOTION, motion), (PUNCTURES, punctures)] {
+        whole(&out.join(name), |path| {
+            let filled = std::fs::File::create(path).map(BufWriter::new).and_then(|mut file| {
+                table(&mut file, log)?;
+                file.flush()
+            });
+            file(path, filled)
+        })?;
+    }
     whole(&out.join("force.png"), |path| {
         plot::force(path, title, log).map_err(Error::Plot)
     })
 }
 
-fn csv(path: &Path, log: &Log) -> io::Result<()> {
-    let mut file = BufWriter::new(std::fs::File::create(path)?);
+type Table = fn(&mut BufWriter<std::fs::File>, &Log) -> io::Result<()>;
+
+fn force(file: &mut BufWriter<std::fs::File>, log: &Log) -> io::Result<()> {
     writeln!(file, "tick,stage,x_m,y_m,z_m,simulated_n,rendered_n,thread_n,gap_mm")?;
     for tick in &log.ticks {
         let [x, y, z] = tick.position_m;
@@ -65,7 +81,41 @@ fn csv(path: &Path, log: &Log) -> io::Result<()> {
             tick.tick
         )?;
     }
-    file.flush()
+    Ok(())
+}
+
+fn motion(file: &mut BufWriter<std::fs::File>, log: &Log) -> io::Result<()> {
+    writeln!(file, "tick,qw,qx,qy,qz,side_n,stitch_n,stitch_m")?;
+    for (tick, motion) in log.ticks.iter().zip(&log.motion) {
+        let [w, x, y, z] = motion.quaternion;
+        let (
+            tick,
+            Motion {
+                side_n,
+                stitch_n,
+                stitch_m,
+                ..
+            },
+        ) = (tick.tick, motion);
+        writeln!(file, "{tick},{w},{x},{y},{z},{side_n},{stitch_n},{stitch_m}")?;
+    }
+    Ok(())
+}
+
+fn punctures(file: &mut BufWriter<std::fs::File>, log: &Log) -> io::Result<()> {
+    writeln!(file, "tick,stitch,site,x_m,y_m,z_m,force_n,f0_n,depth_mm")?;
+    for (puncture, [x, y, z]) in log.punctures().iter().zip(&log.places) {
+        let Puncture {
+            site,
+            stitch,
+            tick,
+            force_n,
+            f0_n,
+            depth_mm,
+        } = puncture;
+        writeln!(file, "{tick},{stitch},{site},{x},{y},{z},{force_n},{f0_n},{depth_mm}")?;
+    }
+    Ok(())
 }
 
 /// Lets `write` fill a file beside `path` and then puts it in `path`'s place.

@@ -2,7 +2,9 @@
 
 use serde::Serialize;
 use sutura_shared::message::{PunctureEvent, Telemetry};
-use sutura_shared::scene::{Site, Stage};
+use sutura_shared::scene::Stage;
+
+use super::watch::Motion;
 
 impl Log {
     /// Runs of ticks with one stage, in order; all belong to the one stitch of a run.
@@ -16,10 +18,7 @@ impl Log {
     #[must_use]
     pub fn punctures(&self) -> Vec<Puncture> {
         let report = |event: &PunctureEvent| Puncture {
-            site: match event.site {
-                Site::Left => "left",
-                Site::Right => "right",
-            },
+            site: event.site.name(),
             stitch: 1,
             tick: event.tick,
             force_n: event.force_n,
@@ -89,13 +88,17 @@ fn largest(values: impl Iterator<Item = f32>) -> f32 {
     values.fold(0.0, f32::max)
 }
 
-/// All that the controller told.
+/// All that the controller told and showed.
 #[derive(Clone, Debug, Default)]
 pub struct Log {
     /// One record a tick.
     pub ticks: Vec<Telemetry>,
+    /// How tool and thread moved, one record a tick.
+    pub motion: Vec<Motion>,
     /// Punctures in order.
     pub punctures: Vec<PunctureEvent>,
+    /// Their places in the tissue before anything moved, patch frame [m].
+    pub places: Vec<[f32; 3]>,
 }
 
 /// Ticks of one stage.
@@ -185,7 +188,7 @@ mod tests {
         ];
         let log = Log {
             ticks,
-            punctures: Vec::new(),
+            ..Log::default()
         };
         let stages = log.stages();
         assert_eq!(

@@ -6,6 +6,7 @@ use serde::Serialize;
 use sutura_controller::effects::TABLE;
 
 use super::log::{Change, Peaks, Puncture, StageSpan};
+use crate::score::Score;
 use crate::study::budget::Auto;
 use crate::voxelize::Springs;
 
@@ -22,21 +23,7 @@ impl Display for Report {
             writeln!(f, "the solver was chosen {auto}")?;
         }
         writeln!(f)?;
-        writeln!(f, "stage            from s      to s    peak N    mean N  thread N")?;
-        for stage in &self.stages {
-            let [from, to] = [stage.from_tick - 1, stage.to_tick].map(|tick| f64::from(tick) * 1e-3);
-            let StageSpan {
-                name,
-                peak_n,
-                mean_n,
-                thread_peak_n,
-                ..
-            } = stage;
-            writeln!(
-                f,
-                "{name:<13}{from:>10.3}{to:>10.3}{peak_n:>10.3}{mean_n:>10.3}{thread_peak_n:>10.3}"
-            )?;
-        }
+        self.stages(f)?;
         writeln!(f)?;
         for puncture in &self.punctures {
             let Puncture {
@@ -61,11 +48,40 @@ impl Display for Report {
             "a tick took {median:.0} µs (median), {p99:.0} µs (99 %), {max:.0} µs (most); state hash {}",
             self.state_hash
         )?;
-        write!(f, "files: {0}/force.csv, {0}/force.png, {0}/scene.toml", self.out)
+        writeln!(f)?;
+        if let Some(score) = &self.score {
+            writeln!(f, "{score}")?;
+            writeln!(f)?;
+        }
+        write!(
+            f,
+            "files: {0}/force.csv, {0}/force.png, {0}/score.md, {0}/score.json, {0}/scene.toml",
+            self.out
+        )
     }
 }
 
 impl Report {
+    /// Times and forces of the stages.
+    fn stages(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        writeln!(f, "stage            from s      to s    peak N    mean N  thread N")?;
+        for stage in &self.stages {
+            let [from, to] = [stage.from_tick - 1, stage.to_tick].map(|tick| f64::from(tick) * 1e-3);
+            let StageSpan {
+                name,
+                peak_n,
+                mean_n,
+                thread_peak_n,
+                ..
+            } = stage;
+            writeln!(
+                f,
+                "{name:<13}{from:>10.3}{to:>10.3}{peak_n:>10.3}{mean_n:>10.3}{thread_peak_n:>10.3}"
+            )?;
+        }
+        Ok(())
+    }
+
     /// The wound before and after.
     fn gaps(&self, f: &mut Formatter<'_>) -> fmt::Result {
         for Change { before, after } in &self.wound_gap_mm.at_stitch {
@@ -134,6 +150,8 @@ pub struct Report {
     pub tick_us: TickTime,
     /// Frames between host and controller.
     pub link: LinkCount,
+    /// The score card.
+    pub score: Option<Score>,
     /// Folder of the files.
     pub out: String,
 }

@@ -6,6 +6,7 @@ use nalgebra::{Matrix3x4, Vector4};
 use sutura_shared::scene::{self, Body, Lattice, Scene, Solver, Tool};
 
 use super::file::{Mesh as MeshFile, Phantom};
+use super::needle::{self, Needle};
 use super::operator::{self, Operator, Place};
 use super::plan::{self, Plan};
 use super::reach;
@@ -54,11 +55,12 @@ pub fn build(plan: &Plan, nodes_max: usize) -> Result<Built, Error> {
         tool: plan.tool,
         contact: plan.contact,
         stitch: plan.stitch.map(|stitch| scene::Stitch {
-            left_m: [-half, 0.0],
+            a_m: [-half, 0.0],
             f0_n: stitch.f0_n,
             under_m: stitch.under_m,
             friction_n_per_m: stitch.friction_n_per_m,
             cutting_n: stitch.cutting_n,
+            tension_gain: stitch.tension_gain,
         }),
         thread: plan.thread,
         wound: plan.wound.map(|wound| faces(&wound, &patch)),
@@ -184,13 +186,10 @@ fn cut(plan: &Plan, meshes: &[Option<Mesh>], nodes_max: usize) -> Result<Patch, 
 
 /// How deep the tool goes below the skin [mm].
 fn reach_mm(plan: &Plan) -> f64 {
-    match (plan.tool, plan.operator) {
-        (Tool::Needle { radius_m, .. }, _) => {
-            let (radius, half) = (f64::from(radius_m) * 1e3, half_mm(plan));
-            radius - (radius * radius - half * half).max(0.0).sqrt()
-        }
-        (Tool::Ball { .. }, Operator::Touch(touch)) => touch.push_m * 1e3,
-        (Tool::Ball { .. }, Operator::Sew(_)) => 0.0,
+    match (Needle::of(&plan.tool), plan.operator) {
+        (Some(needle), _) => needle.depth_mm(half_mm(plan)),
+        (None, Operator::Touch(touch)) => touch.push_m * 1e3,
+        (None, Operator::Sew(_)) => 0.0,
     }
 }
 
@@ -204,8 +203,12 @@ fn half_mm(plan: &Plan) -> f64 {
 fn place(plan: &Plan, patch: &Patch) -> Result<Place, Error> {
     let half = half_mm(plan);
     let skin = |x_mm: f64| skin(plan, patch, x_mm).map(|z_mm| z_mm * 1e-3);
-    let (radius_m, length_m) = match plan.tool {
-        Tool::Needle { radius_m, length_m } => (radius_m, length_m),
+    let (radius_m, ahead_m) = match plan.tool {
+        Tool::Needle {
+            radius_m,
+            length_m,
+            grasp_m,
+        } => (radius_m, length_m - grasp_m),
         Tool::Ball { radius_m } => (radius_m, 0.0),
     };
     let thread_m = plan
@@ -215,7 +218,7 @@ fn place(plan: &Plan, patch: &Patch) -> Result<Place, Error> {
         skin_m: [skin(-half)?, skin(half)?],
         half_m: half * 1e-3,
         radius_m: radius_m.into(),
-        length_m: length_m.into(),
+        ahead_m: ahead_m.into(),
         thread_m: thread_m.into(),
     })
 }
@@ -243,9 +246,20 @@ fn skin(plan: &Plan, patch: &Patch, x_mm: f64) -> Result<f64, Error> {
             x_mm,
             found_mm,
             needed_mm,
+            flatter: flatter(plan, found_mm - SPARE * pitch),
         });
     }
     Ok(grid.origin.z + (top + 1) as f64 * pitch)
+}
+
+/// What else helps where there are only `depth_mm` of tissue: a flatter needle.
+fn flatter(plan: &Plan, depth_mm: f64) -> String {
+    let Tool::Needle { length_m, grasp_m, .. } = plan.tool else {
+        return String::new();
+    };
+    let grasp = f64::from(grasp_m / length_m);
+    needle::that_can(half_mm(plan), depth_mm, grasp)
+        .map_or_else(String::new, |name| format!(", or take needle.kind = \"{name}\""))
 }
 
 /// The wound's faces in nodes of the lattice.
@@ -304,7 +318,7 @@ pub enum Error {
     },
     /// Bone or nothing too near under a puncture site.
     #[error(
-        "only {found_mm} mm of soft tissue at x = {x_mm} mm, y = 0 of the patch, {needed_mm:.1} mm are needed: move patch.site_mm away from bone"
+        "only {found_mm} mm of soft tissue at x = {x_mm} mm, y = 0 of the patch, {needed_mm:.1} mm are needed: move patch.site_mm away from bone{flatter}"
     )]
     Shallow {
         /// Where [mm].
@@ -313,6 +327,8 @@ pub enum Error {
         found_mm: f64,
         /// What there should be [mm].
         needed_mm: f64,
+        /// A needle that goes less deep, if there is one.
+        flatter: String,
     },
 }
 

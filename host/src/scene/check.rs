@@ -298,7 +298,7 @@ mod tests {
             "bite_mm = 4 ",
             "bite_mm = 9 ",
             "bite_mm",
-            "stitch.bite_mm = 9 is out of range: 0.5 to 5.86",
+            "stitch.bite_mm = 9: a gap of 4.00 mm and two such bites take 29.0 mm of needle",
         ),
         (
             "[30, 60]",
@@ -447,18 +447,87 @@ mod tests {
         }
     }
 
+    /// 2 f_c/Δ = 2 · 0.04 N/0.03 mm = 2,667 N/m at scale 1.
+    #[test]
+    fn a_coupling_beyond_the_edge_of_the_device_is_refused() {
+        let stiff = |coupling: &str, scale: &str| {
+            let text = BUILT_IN
+                .replace("coupling_n_per_m = 800", &format!("coupling_n_per_m = {coupling}"))
+                .replace("scale = 1 ", &format!("scale = {scale} "));
+            let source = Source {
+                name: "s.toml".into(),
+                text,
+            };
+            check(&source, &source.parse().unwrap()).map(|_| ())
+        };
+        assert!(stiff("2666", "1").is_ok() && stiff("1333", "2").is_ok());
+        let error = stiff("1334", "2").unwrap_err().to_string();
+        let expected = "contact.coupling_n_per_m = 1334 at output.scale = 2 is more than the device's friction and encoders bear: at most 1333";
+        assert!(error.ends_with(expected), "{error}");
+    }
+
+    #[test]
+    fn the_barrier_of_law_volume_is_not_asked_for_twice() {
+        let error = altered("law = \"isotropic\"", "law = \"volume\"\npoisson = 0.45");
+        assert!(error.is_ok(), "{error:?}");
+        let text = BUILT_IN
+            .replace("\"passivity\",", "\"passivity\", \"barrier\",")
+            .replace("law = \"isotropic\"", "law = \"volume\"\npoisson = 0.45");
+        let source = Source {
+            name: "s.toml".into(),
+            text,
+        };
+        let error = check(&source, &source.parse().unwrap()).unwrap_err().to_string();
+        assert!(error.contains("effect barrier changes nothing under"), "{error}");
+    }
+
+    /// Punctures at 2 + 6 mm from the middle are 8 mm: beyond the 6.30 mm of an SH, within the 9.09 mm of a CT-1.
+    #[test]
+    fn a_bite_beyond_the_needle_is_refused_with_one_that_can() {
+        let error = altered("bite_mm = 4 ", "bite_mm = 6 ").unwrap_err();
+        let remedy = "needle.kind = \"CT-1\" can, or a bite of at most 4.30";
+        assert!(error.starts_with("s.toml:") && error.ends_with(remedy), "{error}");
+        let error = altered("length_mm = 26 ", "length_mm = 9 ").unwrap_err();
+        assert!(error.ends_with(": needle.kind = \"FS-1\" can"), "{error}");
+        assert!(altered("length_mm = 26 ", "length_mm = 26\ngrasp = 0.45 ").is_err());
+    }
+
+    #[test]
+    fn a_needle_has_a_name_or_a_shape() {
+        let shape = "arc_of_circle = 0.5\nlength_mm = 26 ";
+        let named = altered(shape, "kind = \"SH\" ").unwrap();
+        assert_eq!(named.tool, altered(shape, shape).unwrap().tool);
+        for (other, what) in [
+            (
+                "kind = \"SH\"\nlength_mm = 26 ",
+                "[needle] has either kind, or arc_of_circle and length_mm",
+            ),
+            (
+                "length_mm = 26 ",
+                "[needle] has either kind, or arc_of_circle and length_mm",
+            ),
+            (
+                "kind = \"XL\" ",
+                "needle.kind = \"XL\": there are P-3, FS-2, PS-2, FS-1, SH, CT-1",
+            ),
+        ] {
+            let error = altered(shape, other).unwrap_err();
+            assert!(error.contains(what), "{error}");
+        }
+    }
+
     #[test]
     fn a_default_that_does_not_fit_is_asked_for() {
-        // A half circle of 9 mm has R = 2.865 mm: punctures at 0.95 R from the middle, 2 mm of them in the gap, leave a bite of 0.72 mm.
+        // A patch of 12 mm has 4 mm from its middle to the last layer of nodes that move, 2 mm of them in the gap.
         let short = BUILT_IN
-            .replace("length_mm = 26 ", "length_mm = 9 ")
+            .replace("size_mm = [40, ", "size_mm = [12, ")
             .replace("bite_mm = 4 ", "# ");
         let source = Source {
             name: "s.toml".into(),
             text: short,
         };
         let error = check(&source, &source.parse().unwrap()).unwrap_err().to_string();
-        let what = "s.toml:1: key stitch.bite_mm is missing, and its default 4 is out of range here: 0.5 to 0.72";
+        let what = "s.toml:1: key stitch.bite_mm is missing, and its default 4 is out of range here: 0.5 to 2";
         assert!(error.starts_with(what), "{error}");
     }
 

@@ -145,10 +145,14 @@ pub struct Wound {
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Needle {
-    /// Part of a circle.
-    pub arc_of_circle: Number,
-    /// From tip to swage along the arc.
-    pub length_mm: Number,
+    /// Its maker's name.
+    pub kind: Option<Spanned<String>>,
+    /// Part of a circle; without a name.
+    pub arc_of_circle: Option<Number>,
+    /// From tip to swage along the arc; without a name.
+    pub length_mm: Option<Number>,
+    /// Where the driver holds it: part of the length from the swage; without it a third.
+    pub grasp: Option<Number>,
 }
 
 /// `[ball]`
@@ -177,14 +181,16 @@ pub struct Contact {
 pub struct Stitch {
     /// From the wound's edge to a puncture.
     pub bite_mm: Option<Number>,
-    /// Puncture force at the left and at the right site.
-    pub f0_n: Option<[Number; 2]>,
-    /// Depth under the right site at which the tip begins to lift the skin.
+    /// Puncture force at the sites a to d.
+    pub f0_n: Option<[Number; 4]>,
+    /// Distance from a surface at which the tip, coming from inside, begins to lift it.
     pub under_mm: Option<Number>,
     /// Friction per length of shaft in the tissue; effect `shaft-friction`.
     pub friction_n_per_mm: Option<Number>,
     /// Force of the cutting tip; effect `shaft-friction`.
     pub cutting_n: Option<Number>,
+    /// Growth of F0 with the skin's strain; effect `skin-tension`.
+    pub tension_gain: Option<Number>,
 }
 
 /// `[thread]`: effect `thread`

@@ -6,6 +6,7 @@
 //! | [`file`] | the keys, typed |
 //! | [`check`] | allowed ranges, effects and their keys |
 //! | [`plan`] | the checked scene |
+//! | [`needle`] | needles by name, and what one can sew |
 //! | [`operator`] | the hand's script |
 //! | [`reach`] | whether the simulated arm can follow it |
 //! | [`build`] | the patch and the record for the controller |
@@ -16,6 +17,7 @@ pub mod build;
 pub mod check;
 pub mod draft;
 pub mod file;
+pub mod needle;
 pub mod operator;
 pub mod plan;
 pub mod reach;

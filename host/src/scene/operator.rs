@@ -1,7 +1,7 @@
 //! What the simulated hand does: from speeds to the script of one stitch, or of a push with a ball tip.
 //!
 //! Patch frame: x across the wound from left to right, y along it, z outward. The needle's arc lies in its xy-plane, its centre is o, and the
-//! grasp is o + R x̂, two thirds of its length L behind the tip: the tip is at the angle 2L/3R, the swage at −L/3R. Sewing from left to
+//! grasp is o + R x̂, where the driver holds it: the tip is as far ahead as the arc between them. Sewing from left to
 //! right the needle's ẑ is −ŷ of the patch, and ψ, the angle of the grasp from x towards z, grows as the needle advances:
 //! grasp(ψ) = o + R (cos ψ, 0, sin ψ). The nominal circle passes both punctures: o = (0, 0, √(R² − d²)), d half their distance.
 
@@ -53,8 +53,8 @@ impl Sew {
     /// Start pose and steps of one stitch.
     fn script(&self, place: &Place) -> (Isometry3<f64>, Steps) {
         let circle = Circle::through(place);
-        let entry = circle.with_tip_at_left();
-        let tangent = circle.tangent_at_left();
+        let entry = circle.with_tip_at_a();
+        let tangent = circle.tangent_at_a();
         let short = shifted(&circle.grasp(entry), -SHORT * tangent);
         let start = shifted(&short, Vector3::z() * START.max(HANGING * place.thread_m));
         let driven = circle.grasp(entry + BEYOND / circle.radius);
@@ -66,11 +66,11 @@ impl Sew {
                 &short,
                 &shifted(&short, tangent * PUSH),
                 self.insert_m_per_s,
-                Until::Punctured(Site::Left),
+                Until::Punctured(Site::A),
             ),
             step(Motion::Line { to: record(&driven) }, 0.4, Until::Elapsed),
             turn(self.drive_rad_per_s, Until::Stage(Stage::Exit)),
-            turn(self.exit_rad_per_s, Until::Punctured(Site::Right)),
+            turn(self.exit_rad_per_s, Until::Punctured(Site::D)),
             turn(self.drive_rad_per_s, Until::Stage(Stage::PullThrough)),
         ]
         .into_iter()
@@ -171,22 +171,22 @@ impl Circle {
         Self {
             centre: Vector3::new(0.0, 0.0, skin + height),
             radius: place.radius_m,
-            tip: 2.0 / 3.0 * place.length_m / place.radius_m,
+            tip: place.ahead_m / place.radius_m,
             half: place.half_m,
         }
     }
 
-    /// Angle of the left puncture from x towards z.
-    fn left(&self) -> f64 {
+    /// Angle of puncture a from x towards z.
+    fn a(&self) -> f64 {
         PI + (self.half / self.radius).acos()
     }
 
-    fn with_tip_at_left(&self) -> f64 {
-        self.left() - self.tip
+    fn with_tip_at_a(&self) -> f64 {
+        self.a() - self.tip
     }
 
-    fn tangent_at_left(&self) -> Vector3<f64> {
-        direction(self.left() + PI / 2.0)
+    fn tangent_at_a(&self) -> Vector3<f64> {
+        direction(self.a() + PI / 2.0)
     }
 
     /// Pose of the needle with its grasp at `angle`.
@@ -260,14 +260,14 @@ type Steps = heapless::Vec<Step, STEPS_MAX>;
 /// Where the hand works, in the patch frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Place {
-    /// Height of the skin at the left and at the right puncture, or twice at the middle [m].
+    /// Height of the skin at the punctures a and d, or twice at the middle [m].
     pub skin_m: [f64; 2],
     /// Half the distance of the punctures [m].
     pub half_m: f64,
     /// Radius of the needle's arc, or of the ball [m].
     pub radius_m: f64,
-    /// Length of the needle [m]; 0 for a ball.
-    pub length_m: f64,
+    /// Arc length from the grasp to the needle's tip [m]; 0 for a ball.
+    pub ahead_m: f64,
     /// Length of the thread [m]; 0 without one.
     pub thread_m: f64,
 }
@@ -339,13 +339,13 @@ mod tests {
         skin_m: [0.0; 2],
         half_m: 0.006,
         radius_m: 0.026 / PI,
-        length_m: 0.026,
+        ahead_m: 2.0 / 3.0 * 0.026,
         thread_m: 0.115,
     };
 
     /// The tip of a needle held at `pose`, from the arc's definition alone.
     fn tip(pose: &Isometry3<f64>) -> Vector3<f64> {
-        let angle = 2.0 / 3.0 * PLACE.length_m / PLACE.radius_m;
+        let angle = PLACE.ahead_m / PLACE.radius_m;
         let arm = Vector3::new(angle.cos() - 1.0, angle.sin(), 0.0) * PLACE.radius_m;
         pose.translation.vector + pose.rotation * arm
     }
@@ -353,7 +353,7 @@ mod tests {
     #[test]
     fn the_nominal_circle_takes_the_tip_from_site_to_site() {
         let circle = Circle::through(&PLACE);
-        let entry = circle.with_tip_at_left();
+        let entry = circle.with_tip_at_a();
         assert!((tip(&circle.grasp(entry)) - Vector3::new(-0.006, 0.0, 0.0)).norm() < 1e-12);
         // Both sites lie on the circle, so the tip is at the right one after the chord's angle 2·asin(d/R).
         let chord = 2.0 * (PLACE.half_m / PLACE.radius_m).asin();

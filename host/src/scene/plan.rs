@@ -93,14 +93,16 @@ pub struct Wound {
 pub struct Stitch {
     /// From the wound's edge to a puncture [mm].
     pub bite_mm: f64,
-    /// Puncture force, left and right [N].
-    pub f0_n: [f32; 2],
-    /// Depth under the right site at which the tip begins to lift the skin [m].
+    /// Puncture force by site [N].
+    pub f0_n: [f32; 4],
+    /// Distance from a surface at which the tip, coming from inside, begins to lift it [m].
     pub under_m: f32,
     /// Friction of the shaft [N/m].
     pub friction_n_per_m: f32,
     /// Force of the cutting tip [N].
     pub cutting_n: f32,
+    /// Growth of F0 with the skin's strain.
+    pub tension_gain: f32,
 }
 
 /// The simulated hand.

@@ -78,22 +78,16 @@ impl Scene {
             matches!(self.tool, Tool::Needle { .. }),
             "a needle for puncture",
         )?;
-        implies(
-            on(Effect::ShaftFriction),
-            on(Effect::Puncture),
-            "puncture for shaft-friction",
-        )?;
-        implies(
-            on(Effect::ThreadContact),
-            on(Effect::Thread),
-            "thread for thread-contact",
-        )?;
-        implies(
-            on(Effect::ThreadFriction),
-            on(Effect::Thread),
-            "thread for thread-friction",
-        )?;
-        implies(on(Effect::Knot), on(Effect::Thread), "thread for knot")?;
+        let needs = [
+            (Effect::ShaftFriction, Effect::Puncture, "puncture for shaft-friction"),
+            (Effect::SkinTension, Effect::Puncture, "puncture for skin-tension"),
+            (Effect::ThreadContact, Effect::Thread, "thread for thread-contact"),
+            (Effect::ThreadFriction, Effect::Thread, "thread for thread-friction"),
+            (Effect::Knot, Effect::Thread, "thread for knot"),
+        ];
+        needs
+            .into_iter()
+            .try_for_each(|(effect, needed, expected)| implies(on(effect), on(needed), expected))?;
         let waits = |test: fn(&Until) -> bool| {
             self.hand
                 .iter()
@@ -211,9 +205,18 @@ impl Tool {
     fn validate(&self) -> Result<(), Invalid> {
         match self {
             Self::Ball { radius_m } => within(*radius_m, &SIZE_M, "tool.radius_m"),
-            Self::Needle { radius_m, length_m } => {
+            Self::Needle {
+                radius_m,
+                length_m,
+                grasp_m,
+            } => {
                 within(*radius_m, &SIZE_M, "tool.radius_m")?;
                 within(*length_m, &SIZE_M, "tool.length_m")?;
+                require(
+                    (0.0..=*length_m).contains(grasp_m),
+                    "tool.grasp_m",
+                    "0 to the needle's length",
+                )?;
                 require(
                     *length_m < core::f32::consts::TAU * radius_m,
                     "tool.length_m",
@@ -226,7 +229,7 @@ impl Tool {
 
 impl Stitch {
     fn validate(&self) -> Result<(), Invalid> {
-        all_within(&self.left_m, &PLACE_M, "stitch.left_m")?;
+        all_within(&self.a_m, &PLACE_M, "stitch.a_m")?;
         all_within(&self.f0_n, &(1e-3..=1e3, "1e-3 to 1e3 N"), "stitch.f0_n")?;
         within(self.under_m, &(0.0..=0.5, "0 to 0.5 m"), "stitch.under_m")?;
         within(
@@ -234,7 +237,8 @@ impl Stitch {
             &(0.0..=1e5, "0 to 1e5 N/m"),
             "stitch.friction_n_per_m",
         )?;
-        within(self.cutting_n, &FORCE, "stitch.cutting_n")
+        within(self.cutting_n, &FORCE, "stitch.cutting_n")?;
+        within(self.tension_gain, &(0.0..=1e3, "0 to 1000"), "stitch.tension_gain")
     }
 }
 

@@ -65,7 +65,7 @@ pub(crate) fn to_host() -> std::vec::Vec<ToHost> {
             nodes: 2002,
         }),
         ToHost::Puncture(PunctureEvent {
-            site: Site::Right,
+            site: Site::D,
             tick: 4321,
             force_n: 0.96,
             f0_n: 0.95,
@@ -138,6 +138,7 @@ pub(crate) fn full_scene() -> Scene {
         tool: Tool::Needle {
             radius_m: 0.0095,
             length_m: 0.03,
+            grasp_m: 0.01,
         },
         contact: Contact {
             coupling_n_per_m: 800.0,
@@ -167,11 +168,12 @@ pub(crate) fn full_scene() -> Scene {
 
 fn stitch() -> Stitch {
     Stitch {
-        left_m: [-0.006, 0.001],
-        f0_n: [0.95, 0.9],
+        a_m: [-0.006, 0.001],
+        f0_n: [0.95, 0.25, 0.5, 0.9],
         under_m: 0.002,
         friction_n_per_m: 20.0,
         cutting_n: 0.2,
+        tension_gain: 2.0,
     }
 }
 
@@ -220,7 +222,7 @@ fn hand() -> Hand {
                 to: pose(0.0625),
                 speed_m_per_s: 0.008,
             },
-            Until::Punctured(Site::Left),
+            Until::Punctured(Site::A),
         ),
         step(
             Motion::Turn {
@@ -228,7 +230,7 @@ fn hand() -> Hand {
                 axis: [0.0, 1.0, 0.0],
                 angle_rad: -1.5,
             },
-            Until::Punctured(Site::Right),
+            Until::Punctured(Site::D),
         ),
         step(Motion::Hold, Until::Tension(1.25)),
         step(Motion::Hold, Until::Stage(Stage::Done)),

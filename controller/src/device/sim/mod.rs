@@ -21,6 +21,10 @@ const SUBSTEPS: u16 = 10;
 /// One step of the arm [s].
 const SUBSTEP: f32 = DT / SUBSTEPS as f32;
 
+/// Stiffness at the tip that the arm's friction and encoders bear without a limit cycle, 2 f_c/Δ (Abbott & Okamura 2005) with f_c = 0.04 N and
+/// Δ = 0.03 mm of the Premium 1.5's data sheet [N/m].
+pub const BEARS: f32 = 2.0 * 0.04 / 3e-5;
+
 /// Why there is no simulated device.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Error {

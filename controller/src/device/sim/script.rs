@@ -248,7 +248,7 @@ mod tests {
     #[test]
     fn an_event_ends_a_step_where_it_stands() {
         let waits = [
-            Until::Punctured(Site::Right),
+            Until::Punctured(Site::D),
             Until::Tension(0.5),
             Until::Stage(Stage::Drive),
         ];
@@ -272,7 +272,7 @@ mod tests {
                 if tick == 400 {
                     seen.stage = Stage::Exit;
                     let puncture = Puncture {
-                        site: Site::Right,
+                        site: Site::D,
                         force: 1.0,
                         f0: 1.0,
                         depth: 0.0,
@@ -289,10 +289,10 @@ mod tests {
 
     #[test]
     fn a_puncture_of_the_other_site_is_not_waited_for() {
-        let steps = [step(Motion::Hold, 1000, Until::Punctured(Site::Right))];
+        let steps = [step(Motion::Hold, 1000, Until::Punctured(Site::D))];
         let states = run(&steps, 10, |_| {
             let puncture = Puncture {
-                site: Site::Left,
+                site: Site::A,
                 force: 1.0,
                 f0: 1.0,
                 depth: 0.0,

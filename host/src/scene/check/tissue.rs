@@ -52,6 +52,15 @@ impl Keys<'_> {
     }
 
     fn law(&self, patch: &file::Patch) -> Result<Law, Error> {
+        let law = self.named(patch)?;
+        if let (Law::Volume { .. }, true) = (law, self.effects.has(Effect::Barrier)) {
+            let what = "effect barrier changes nothing under patch.law = \"volume\", which has it; remove the effect";
+            return Err(self.source.fault(patch.law.span(), what));
+        }
+        Ok(law)
+    }
+
+    fn named(&self, patch: &file::Patch) -> Result<Law, Error> {
         let name = patch.law.get_ref();
         let poisson = patch.poisson.as_ref();
         Law::named(name, poisson.map(|poisson| *poisson.get_ref() as f32)).map_err(|error| match (error, poisson) {

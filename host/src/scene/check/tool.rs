@@ -1,17 +1,19 @@
 //! What works on the tissue: `[needle]` or `[ball]`, `[contact]`, `[stitch]`, `[thread]`, `[operator]`.
 
+use sutura_controller::device::sim::BEARS;
 use sutura_controller::effects::key;
 use sutura_shared::scene::{self, Effect, KERNEL_PITCHES};
 use toml::Spanned;
 
 use super::{Keys, metres};
 use crate::scene::file::{self, File, Number};
+use crate::scene::needle::{self, KINDS, Needle};
 use crate::scene::operator::{Draw, Operator, Sew, Touch};
 use crate::scene::plan::Stitch;
 use crate::scene::source::Error;
 
-/// Half the distance of the punctures over the needle's radius, at most: beyond it the needle meets the skin too flat.
-const WIDEST: f64 = 0.95;
+/// Where a needle is held if the scene does not say: at the third next to its swage (BMC Med Educ 2021, table 3).
+const GRASP: f64 = 1.0 / 3.0;
 
 /// Fewest links of the controller's thread.
 const LINKS_MIN: f64 = 2.0;
@@ -22,15 +24,12 @@ impl Keys<'_> {
     pub(super) fn tool(&self, file: &File) -> Result<scene::Tool, Error> {
         match (&file.needle, &file.ball) {
             (Some(needle), None) => {
-                let needle = needle.get_ref();
-                let arc = self
-                    .source
-                    .number("needle.arc_of_circle", &needle.arc_of_circle, [0.25, 0.75])?;
-                let length_mm = self.source.number("needle.length_mm", &needle.length_mm, [4.0, 80.0])?;
+                let [arc, length_mm] = self.shape(needle)?;
                 let radius_m = metres(length_mm / (arc * std::f64::consts::TAU));
                 Ok(scene::Tool::Needle {
                     radius_m,
                     length_m: metres(length_mm),
+                    grasp_m: metres(length_mm * self.grasp(needle.get_ref())?),
                 })
             }
             (None, Some(ball)) => {
@@ -49,14 +48,48 @@ impl Keys<'_> {
         }
     }
 
+    /// Part of a circle and length [mm], by a needle's name or by themselves.
+    fn shape(&self, needle: &Spanned<file::Needle>) -> Result<[f64; 2], Error> {
+        let file::Needle {
+            kind,
+            arc_of_circle,
+            length_mm,
+            ..
+        } = needle.get_ref();
+        match (kind, arc_of_circle, length_mm) {
+            (Some(name), None, None) => {
+                let known = KINDS.iter().find(|kind| kind.name == name.get_ref());
+                let kind = known.ok_or_else(|| {
+                    let names = KINDS.map(|kind| kind.name).join(", ");
+                    let what = format!("needle.kind = \"{}\": there are {names}", name.get_ref());
+                    self.source.fault(name.span(), what)
+                })?;
+                Ok([kind.arc_of_circle, kind.length_mm])
+            }
+            (None, Some(arc), Some(length)) => Ok([
+                self.source.number("needle.arc_of_circle", arc, [0.25, 0.75])?,
+                self.source.number("needle.length_mm", length, [4.0, 80.0])?,
+            ]),
+            _ => Err(self.source.fault(
+                needle.span(),
+                "[needle] has either kind, or arc_of_circle and length_mm",
+            )),
+        }
+    }
+
+    /// Where the driver holds the needle: part of its length from the swage.
+    fn grasp(&self, needle: &file::Needle) -> Result<f64, Error> {
+        needle
+            .grasp
+            .as_ref()
+            .map_or(Ok(GRASP), |grasp| self.source.number("needle.grasp", grasp, [0.1, 0.6]))
+    }
+
     pub(super) fn contact(&self, file: &File) -> Result<scene::Contact, Error> {
         let contact = &file.contact;
         let pitch = *file.patch.pitch_mm.get_ref();
         Ok(scene::Contact {
-            coupling_n_per_m: self
-                .source
-                .number("contact.coupling_n_per_m", &contact.coupling_n_per_m, [1.0, 1e5])?
-                as f32,
+            coupling_n_per_m: self.coupling(file)? as f32,
             coupling_n_s_per_m: self.source.number(
                 "contact.coupling_n_s_per_m",
                 &contact.coupling_n_s_per_m,
@@ -70,9 +103,24 @@ impl Keys<'_> {
         })
     }
 
+    /// Stiffness of the virtual coupling [N/m]: rendered, it is what the arm meets where the tissue does not give, as on bone.
+    fn coupling(&self, file: &File) -> Result<f64, Error> {
+        let coupling = &file.contact.coupling_n_per_m;
+        let stiffness = self.source.number("contact.coupling_n_per_m", coupling, [1.0, 1e5])?;
+        let scale = *file.output.scale.get_ref();
+        let most = f64::from(BEARS) / scale;
+        if stiffness > most {
+            let what = format!(
+                "contact.coupling_n_per_m = {stiffness} at output.scale = {scale} is more than the device's friction and encoders bear: at most {most:.0}"
+            );
+            return Err(self.source.fault(coupling.span(), what));
+        }
+        Ok(stiffness)
+    }
+
     /// The punctures; none without effect `puncture`.
     pub(super) fn stitch(&self, file: &File) -> Result<Option<Stitch>, Error> {
-        let scene::Tool::Needle { radius_m, .. } = self.tool(file)? else {
+        let Some(needle) = Needle::of(&self.tool(file)?) else {
             return Ok(None);
         };
         if !self.effects.has(Effect::Puncture) {
@@ -85,21 +133,57 @@ impl Keys<'_> {
             .as_ref()
             .map_or(0.0, |wound| *wound.get_ref().gap_mm.get_ref() / 2.0);
         let inside = file.patch.size_mm[0].get_ref() / 2.0 - file.patch.pitch_mm.get_ref();
-        let reach = f64::from(radius_m) * 1e3 * WIDEST;
         let [least, _] = key::BITE.range;
-        let bite = [least, reach.min(inside) - half_gap];
+        let bite = self.own_within(&key::BITE, stitch.bite_mm.as_ref(), [least, inside - half_gap])?;
+        self.reaches(file, &needle, [half_gap, bite])?;
         let f0 = |site: usize| match &stitch.f0_n {
             Some(f0) => self.source.number(key::F0.name, &f0[site], key::F0.range),
             None => self.default(&key::F0, site, key::F0.range),
         };
         let friction = self.own(&key::FRICTION, stitch.friction_n_per_mm.as_ref())?;
         Ok(Some(Stitch {
-            bite_mm: self.own_within(&key::BITE, stitch.bite_mm.as_ref(), bite)?,
-            f0_n: [f0(0)? as f32, f0(1)? as f32],
+            bite_mm: bite,
+            f0_n: [f0(0)? as f32, f0(1)? as f32, f0(2)? as f32, f0(3)? as f32],
             under_m: metres(self.own(&key::UNDER, stitch.under_mm.as_ref())?),
             friction_n_per_m: (friction * 1e3) as f32,
             cutting_n: self.own(&key::CUTTING, stitch.cutting_n.as_ref())? as f32,
+            tension_gain: self.own(&key::TENSION_GAIN, stitch.tension_gain.as_ref())? as f32,
         }))
+    }
+
+    /// Refuses a bite that the needle cannot make at this gap, with the numbers and a needle that can.
+    fn reaches(&self, file: &File, needle: &Needle, [half_gap, bite]: [f64; 2]) -> Result<(), Error> {
+        let (half, widest) = (half_gap + bite, needle.widest_mm());
+        if half <= widest {
+            return Ok(());
+        }
+        let held = file.needle.as_ref().map(|needle| self.grasp(needle.get_ref()));
+        let grasp = held.transpose()?.unwrap_or(GRASP);
+        let depth = *file.patch.size_mm[2].get_ref() - file.patch.pitch_mm.get_ref();
+        let remedy = match (needle::that_can(half, depth, grasp), widest - half_gap) {
+            (Some(name), most) if most > 0.0 => format!("needle.kind = \"{name}\" can, or a bite of at most {most:.2}"),
+            (Some(name), _) => format!("needle.kind = \"{name}\" can"),
+            (None, most) if most > 0.0 => format!("a bite of at most {most:.2} is right"),
+            (None, _) => "a narrower wound is right".to_owned(),
+        };
+        let what = format!(
+            "stitch.bite_mm = {bite}: a gap of {:.2} mm and two such bites take {:.1} mm of needle from driver to tip with {} mm at either end for \
+             the jaws; this one has {:.1} mm on R = {:.2} mm: {remedy}",
+            2.0 * half_gap,
+            needle.needed_mm(half),
+            needle::JAWS_MM,
+            needle.ahead_mm,
+            needle.radius_mm,
+        );
+        let bite = file
+            .stitch
+            .as_ref()
+            .and_then(|stitch| stitch.get_ref().bite_mm.as_ref());
+        let at = bite.or(file
+            .needle
+            .as_ref()
+            .and_then(|needle| needle.get_ref().length_mm.as_ref()));
+        Err(self.source.fault(at.map_or(0..0, Spanned::span), what))
     }
 
     /// The thread; none without effect `thread`.

@@ -101,7 +101,7 @@ fn unmet(request: &Request<'_>, rows: &[Row], interrupted: &AtomicBool) -> Resul
 
 /// The free node at the top of the lattice that is nearest to where the scene is worked on: to the first puncture, or to the middle.
 fn skin(lattice: &Lattice<PC_NODES>, scene: &Scene) -> Option<usize> {
-    let [x, y] = scene.stitch.map_or([0.0; 2], |stitch| stitch.left_m);
+    let [x, y] = scene.stitch.map_or([0.0; 2], |stitch| stitch.a_m);
     let [nx, ny, _] = lattice.nodes;
     let columns = (0..ny).flat_map(|j| (0..nx).map(move |i| (i, j)));
     let free = |node: &usize| lattice.free.get(*node).is_some_and(|free| *free > 0.0);

@@ -13,7 +13,7 @@ pub fn without(scene: &Scene, effect: Effect) -> Scene {
     }
     scene.effects = Effects(scene.effects.0 & !(effect as u32));
     match effect {
-        Effect::Gravity => {}
+        Effect::Gravity | Effect::Barrier => {}
         Effect::Stiffening => {
             for tissue in &mut scene.tissues {
                 if let Body::Soft { curve, .. } = &mut tissue.body {
@@ -34,6 +34,7 @@ pub fn without(scene: &Scene, effect: Effect) -> Scene {
         Effect::Knot => scene.thread.iter_mut().for_each(|thread| thread.knot_hold_n = 0.0),
         Effect::WoundContact => scene.wound.iter_mut().for_each(|wound| wound.penalty_n_per_m = 0.0),
         Effect::Passivity => scene.output.passivity_n_s_per_m = 0.0,
+        Effect::SkinTension => scene.stitch.iter_mut().for_each(|stitch| stitch.tension_gain = 0.0),
     }
     let effects = scene.effects;
     for step in scene.hand.iter_mut().flat_map(|hand| &mut hand.steps) {

@@ -1,7 +1,7 @@
 //! The patch of a case: a small block whose sides and bottom are held, under a ball tip.
 
 use sutura_controller::math::Vec3;
-use sutura_shared::scene::{Body, Scene, Segment, Tissue, Tool};
+use sutura_shared::scene::{Body, Effect, Scene, Segment, Tissue, Tool};
 
 use crate::study::block::{self, Spec};
 use crate::study::stability::bench::Bench;
@@ -51,6 +51,8 @@ pub(super) struct Patch {
     pub(super) stuff: [Stuff; 2],
     /// Tissue of the voxel in a column, row and layer; 0 for none.
     pub(super) fill: fn([u32; 3]) -> u8,
+    /// Whether the scene calls for effect `barrier`; law `volume` has it in any case.
+    pub(super) barrier: bool,
 }
 
 impl Default for Patch {
@@ -61,6 +63,7 @@ impl Default for Patch {
             pitch_m: 2e-3,
             stuff: [FLESH; 2],
             fill: |_| 1,
+            barrier: false,
         }
     }
 }
@@ -84,6 +87,9 @@ impl Patch {
         let pitch = self.pitch();
         let [x, y, z] = self.voxels.map(|n| n as f32 * pitch);
         scene.solver = attempt.setting.solver;
+        if self.barrier {
+            scene.effects = scene.effects.with(Effect::Barrier);
+        }
         scene.lattice.origin_m = [-0.5 * x, -0.5 * y, -z];
         scene.tool = Tool::Ball { radius_m: BALL * pitch };
         scene.contact.kernel_m = KERNEL * pitch;

@@ -1,4 +1,4 @@
-//! The needle's way: a turn about the centre of the circle through both punctures (Lian & Chen Fig. 11).
+//! The needle's way: a turn about the centre of the circle through its punctures (Lian & Chen Fig. 11).
 
 use std::f32::consts::{FRAC_PI_2, PI};
 
@@ -12,22 +12,32 @@ pub(super) struct Circle {
     radius: f32,
     /// From the grasp to the tip [rad].
     ahead: f32,
-    /// Where the tip is at the left puncture [rad].
+    /// Where the tip is at the puncture a [rad].
     entry: f32,
 }
 
 impl Circle {
-    /// That of a scene's needle through its two punctures; skin is at z = 0.
+    /// That of a scene's needle through its punctures; skin is at z = 0.
     pub(super) fn of(scene: &Scene) -> Self {
-        let half = scene.stitch.map_or(0.0, |stitch| -stitch.left_m[0]);
-        let (radius, length) = match scene.tool {
-            Tool::Needle { radius_m, length_m } => (radius_m, length_m),
+        let half = scene.stitch.map_or(0.0, |stitch| -stitch.a_m[0]);
+        Self::through(scene, [-half, half])
+    }
+
+    /// That of a scene's needle through two places of the skin, given by x [m].
+    pub(super) fn through(scene: &Scene, [from, to]: [f32; 2]) -> Self {
+        let half = 0.5 * (to - from);
+        let (radius, ahead) = match scene.tool {
+            Tool::Needle {
+                radius_m,
+                length_m,
+                grasp_m,
+            } => (radius_m, length_m - grasp_m),
             Tool::Ball { radius_m } => (radius_m, 0.0),
         };
         Self {
-            centre: Vec3::z() * (radius * radius - half * half).max(0.0).sqrt(),
+            centre: Vec3::new(0.5 * (from + to), 0.0, (radius * radius - half * half).max(0.0).sqrt()),
             radius,
-            ahead: 2.0 / 3.0 * length / radius,
+            ahead: ahead / radius,
             entry: PI + (half / radius).acos(),
         }
     }
@@ -37,7 +47,7 @@ impl Circle {
         way / self.radius
     }
 
-    /// The needle with its tip `turned` beyond the left puncture [rad].
+    /// The needle with its tip `turned` beyond the puncture a [rad].
     pub(super) fn at(&self, turned: f32) -> Pose {
         let direction = |angle: f32| Vec3::new(angle.cos(), 0.0, angle.sin());
         let grasp = self.entry + turned - self.ahead;

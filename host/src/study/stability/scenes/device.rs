@@ -1,6 +1,6 @@
 //! What an arm with encoders in a hand may do: tremble, lose ticks, and press on what is as hard as the coupling.
 
-use sutura_controller::device::sim::hand;
+use sutura_controller::device::sim::{BEARS, hand};
 use sutura_controller::math::{Mat3, Pose, Vec3};
 use sutura_shared::scene::Scene;
 
@@ -30,8 +30,6 @@ const HANDS: [(&str, hand::Params); 2] = [
         },
     ),
 ];
-/// Stiffness that friction and encoders of the Premium 1.5 bear, 2 f_c/Δ with f_c = 0.04 N and Δ = 0.03 mm (Abbott & Okamura 2005) [N/m].
-const EDGE: f32 = 2.0 * 0.04 / 3e-5;
 /// Where tremor goes: along the skin and into it.
 const SHAKE: Vec3 = Vec3::new(0.6, 0.0, 0.8);
 
@@ -147,7 +145,7 @@ fn tremor(attempt: &Attempt<'_>, hand: hand::Params, seconds: u32) -> Result<Tra
 
 fn bone(attempt: &Attempt<'_>, hand: hand::Params) -> Result<Trace, Unfinished> {
     let (above, down) = (ball(-7e-3, 5e-3), ball(-7e-3, -10e-3));
-    held(attempt, &bony(attempt, EDGE)?, (hand, Latency::Tick), |held| {
+    held(attempt, &bony(attempt, BEARS)?, (hand, Latency::Tick), |held| {
         held.go([above, down], 500, Vec3::zeros(), tick)?;
         held.go([down, down], 1500, Vec3::zeros(), tick)?;
         held.felt.held();

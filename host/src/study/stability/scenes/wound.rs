@@ -49,7 +49,7 @@ pub(super) fn cases() -> Vec<Case> {
 fn drawn(attempt: &Attempt<'_>, beyond: f32, speed: f32) -> Result<Trace, Unfinished> {
     let scene = sewn(attempt)?;
     let circle = Circle::of(&scene.0);
-    let half = scene.0.stitch.map_or(0.0, |stitch| -stitch.left_m[0]);
+    let half = scene.0.stitch.map_or(0.0, |stitch| -stitch.a_m[0]);
     let length = scene
         .0
         .thread
