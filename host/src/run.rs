@@ -255,7 +255,7 @@ impl Error {
             Self::Scene(_)
             | Self::Build(_)
             | Self::Lattice(_)
-            | Self::Files(files::Error::File { .. } | files::Error::Scene { .. })
+            | Self::Files(files::Error::File { .. } | files::Error::NotFolder { .. } | files::Error::Scene { .. })
             | Self::Score(score::Error::Files(_))
             | Self::Thread(_)
             | Self::Stuck { .. } => 2,

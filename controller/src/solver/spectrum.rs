@@ -21,8 +21,8 @@ const LOCKED: f32 = 0.15;
 /// The smallest stable number of explicit substeps a tick: h < 2/ω, with β-dashpots h < (√(1 + ζ²) − ζ) 2/ω and ζ = β ω₀²/(2ω).
 ///
 /// ω is that of the lattice at rest with every spring at the steepest slope of its curve, body diagonals also locked by `LOCKED`, and voxels
-/// that keep their volume; ω₀ is that of the first slopes, which dashpots go by. A lock pressed further, and the barrier of a voxel about
-/// to invert, are steeper still.
+/// that keep their volume and are held from inverting; ω₀ is that of the first slopes, which dashpots go by. A lock pressed further is
+/// steeper still.
 pub fn fewest_substeps<const N: usize>(problem: &Problem<'_, N>, work: &mut Work<N>) -> u16 {
     let steepest = |breaks: &Breaks| breaks.steepest().max(breaks.locked(LOCKED));
     let omega = MARGIN * sqrt(run_on!(problem.level, lanes => fastest(lanes, problem, steepest, work)));

@@ -264,7 +264,7 @@ impl<L: Lanes, const N: usize> VoxelPass<L, 3> for Apply<'_, L, N> {
     }
 }
 
-/// The operator's voxels at rest.
+/// The operator's voxels at their stiffest: with the faces they have at rest and the barrier's stiffness beside the volume's.
 #[inline(always)]
 pub(super) fn stiffen<L: Lanes, const N: usize>(lanes: L, problem: &Problem<'_, N>, work: &mut Work<N>) {
     let lattice = problem.lattice;
@@ -272,7 +272,8 @@ pub(super) fn stiffen<L: Lanes, const N: usize>(lanes: L, problem: &Problem<'_, 
     work.growth.iter_mut().flatten().for_each(|part| part.fill(0.0));
     for (axis, growth) in work.growth.iter_mut().enumerate() {
         for at in blocks::<L, N>(lattice.len()) {
-            let stiffness = lanes.load(&lattice.volume, at) * lanes.splat(lattice.pitch / 16.0);
+            let stiffness = lanes.load(&lattice.volume, at) + lanes.load(&lattice.barrier, at);
+            let stiffness = stiffness * lanes.splat(lattice.pitch / 16.0);
             lanes.store(lanes.root(stiffness), &mut growth[axis], at);
         }
     }

@@ -21,9 +21,10 @@ pub(crate) const PUNCTURES: &str = "punctures.csv";
 /// # Errors
 /// The file system refuses.
 pub fn folder(out: &Path) -> Result<(), Error> {
-    std::fs::create_dir_all(out).map_err(|cause| Error::File {
-        path: out.to_owned(),
-        cause,
+    let path = out.to_owned();
+    std::fs::create_dir_all(out).map_err(|cause| match out.exists() {
+        true => Error::NotFolder { path },
+        false => Error::File { path, cause },
     })
 }
 
@@ -151,6 +152,12 @@ pub enum Error {
         /// Why.
         cause: io::Error,
     },
+    /// Something else than a folder is there.
+    #[error("{}: a file, where a folder for the results is to be; another --out is right", path.display())]
+    NotFolder {
+        /// Where.
+        path: PathBuf,
+    },
     /// The scene lies where its copy is to be.
     #[error("{}: the scene itself lies where the copy of it as it runs is to be; another --out is right", path.display())]
     Scene {
@@ -179,6 +186,13 @@ mod tests {
         });
         assert!(result.is_err());
         assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
+    }
+
+    #[test]
+    fn a_file_in_place_of_the_folder_is_said_to_be_one() {
+        let file = tempfile::NamedTempFile::new().unwrap();
+        let line = folder(file.path()).unwrap_err().to_string();
+        assert!(line.contains("where a folder"), "{line}");
     }
 
     #[cfg(unix)]

@@ -265,7 +265,8 @@ impl Error {
         match self {
             Self::Run(error) => error.exit_code(),
             Self::Refused(_) | Self::TooLong { .. } | Self::Upload { .. } => 2,
-            Self::Files(run::files::Error::File { .. }) | Self::Count(callgrind::Error::Folder(_)) => 2,
+            Self::Files(run::files::Error::File { .. } | run::files::Error::NotFolder { .. })
+            | Self::Count(callgrind::Error::Folder(_)) => 2,
             Self::Files(_) | Self::Count(_) | Self::Thread => 1,
             Self::Interrupted => 130,
         }

@@ -47,11 +47,15 @@ pub fn cases() -> Vec<Case> {
     blocks::cases().into_iter().chain(scenes::cases()).collect()
 }
 
-/// Tries; `progress` is told runs done and runs in all, `interrupted` ends the study without a trace.
+/// Tries; `progress` is told runs done and runs in all from any thread, `interrupted` ends the study without a trace.
 ///
 /// # Errors
 /// See [`Error`].
-pub fn run(request: &Request, interrupted: &AtomicBool, progress: impl FnMut(usize, usize)) -> Result<Report, Error> {
+pub fn run(
+    request: &Request,
+    interrupted: &AtomicBool,
+    progress: impl Fn(usize, usize) + Sync,
+) -> Result<Report, Error> {
     let cases = chosen(request.case.as_deref())?;
     let settings = setting::all(request.solver);
     run::files::folder(&request.out)?;
@@ -65,16 +69,18 @@ pub fn run(request: &Request, interrupted: &AtomicBool, progress: impl FnMut(usi
 fn chosen(name: Option<&str>) -> Result<Vec<Case>, Error> {
     let mut cases = cases();
     let Some(name) = name else { return Ok(cases) };
-    let there = cases
-        .iter()
-        .map(|case| case.name.as_str())
-        .collect::<Vec<_>>()
-        .join(", ");
+    let asked_family = name.split_once(':').map_or(name, |(family, _)| family);
+    let of_family = cases.iter().filter(|case| case.family() == asked_family);
+    let mut there: Vec<_> = of_family.map(|case| case.name.clone()).collect();
+    if there.is_empty() {
+        there = cases.iter().map(|case| case.family().to_owned()).collect();
+        there.dedup();
+    }
     cases.retain(|case| case.is_called(name));
     match cases.is_empty() {
         true => Err(Error::Case {
             name: name.to_owned(),
-            there,
+            there: there.join(", "),
         }),
         false => Ok(cases),
     }
@@ -88,7 +94,7 @@ pub enum Error {
     Case {
         /// What was asked for.
         name: String,
-        /// All names.
+        /// The names of its family, or of all families.
         there: String,
     },
     /// A case's own scene cannot be loaded.

@@ -23,7 +23,7 @@ pub(crate) struct AccuracyArgs {
     #[arg(long, value_name = "SCENE.toml")]
     scene: Option<PathBuf>,
     /// Chooses the most accurate solver of a scene whose tick takes no longer, in µs [default with --scene: 1000].
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(budget()))]
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(u16).range(budget()))]
     budget_us: Option<u16>,
     /// Source of the C kernel that times are compared with; its path is relative to the current folder.
     #[arg(long, value_name = "PATH", default_value = limit::SOURCE, conflicts_with_all = ["scene", "budget_us"])]

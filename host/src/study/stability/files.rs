@@ -68,7 +68,7 @@ struct Group {
     settings: Vec<[String; 2]>,
 }
 
-/// Solvers across with the default law; then laws across with the default solver.
+/// Solvers across with the default law; then laws across with the default solver, or with the only one that was asked for.
 fn groups(report: &Report) -> Vec<Group> {
     let Setting { solver, springs } = Setting::DEFAULT;
     let (solver, law) = (solver.to_string(), springs.to_string());
@@ -79,17 +79,18 @@ fn groups(report: &Report) -> Vec<Group> {
         settings: solvers.iter().map(|solver| [solver.clone(), law.clone()]).collect(),
         heads: solvers,
     };
-    // One solver that was asked for is the one whose laws are shown.
-    let one = match by_solver.heads.as_slice() {
-        [only] => only.clone(),
-        _ => solver,
+    let by_law = |solver: &str| Group {
+        title: format!("solver {solver}, by law"),
+        settings: laws.iter().map(|law| [solver.to_owned(), law.clone()]).collect(),
+        heads: laws.clone(),
     };
-    let by_law = Group {
-        title: format!("solver {one}, by law"),
-        settings: laws.iter().map(|law| [one.clone(), law.clone()]).collect(),
-        heads: laws,
-    };
-    vec![by_solver, by_law]
+    match by_solver.heads.as_slice() {
+        [only] => vec![by_law(only)],
+        _ => {
+            let by_law = by_law(&solver);
+            vec![by_solver, by_law]
+        }
+    }
 }
 
 fn markdown(cases: &[Case], report: &Report) -> String {

@@ -157,6 +157,15 @@ fn a_case_is_found_by_its_name_and_its_family() {
     let count = |name| chosen(Some(name)).map(|cases| cases.len());
     assert_eq!(count("tool-teleported:down").ok(), Some(1));
     assert_eq!(count("tool-teleported").ok(), Some(3));
-    let line = count("tool").unwrap_err().to_string();
-    assert!(line.contains("tool-teleported:up") && !line.contains('\n'), "{line}");
+    let said = |name| count(name).unwrap_err().to_string();
+    let families = said("tool");
+    assert!(
+        families.contains("tool-teleported, ") && !families.contains('\n'),
+        "{families}"
+    );
+    let variants = said("tool-teleported:left");
+    assert!(
+        variants.contains("tool-teleported:up") && !variants.contains("tremor"),
+        "{variants}"
+    );
 }

@@ -3,7 +3,6 @@
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::thread;
 
-use crossbeam_channel::unbounded;
 use sutura_controller::lanes::Level;
 use sutura_shared::scene::Solver;
 
@@ -12,48 +11,27 @@ use super::case::{Attempt, Case, Unfinished};
 use super::judge::judge;
 use super::report::Row;
 use super::setting::Setting;
+use crate::study::parallel;
 
-/// A row for each case and setting, cases first; `progress` is told runs done and runs in all.
+/// A row for each case and setting, cases first; `progress` is told runs done and runs in all, from any thread.
 pub(super) fn all(
     cases: &[Case],
     settings: &[Setting],
     (level, interrupted): (Level, &AtomicBool),
-    mut progress: impl FnMut(usize, usize),
+    progress: impl Fn(usize, usize) + Sync,
 ) -> Result<Vec<Row>, Error> {
     let runs: Vec<_> = cases
         .iter()
         .flat_map(|case| settings.iter().map(move |setting| (case, setting)))
         .collect();
-    let next = AtomicUsize::new(0);
-    let (sender, results) = unbounded();
-    let take = |sender: &crossbeam_channel::Sender<_>| {
-        while let Some((n, (case, setting))) = {
-            let n = next.fetch_add(1, Ordering::Relaxed);
-            runs.get(n).map(|run| (n, *run))
-        } {
-            let attempt = Attempt::new(*setting, level, interrupted);
-            // Whoever no longer listens has seen an error.
-            if sender.send((n, one(case, &attempt))).is_err() {
-                break;
-            }
-        }
-    };
     let cores = thread::available_parallelism().map_or(1, usize::from);
-    let mut rows: Vec<_> = runs.iter().map(|_| None).collect();
-    thread::scope(|scope| {
-        for sender in vec![sender; cores] {
-            scope.spawn(move || take(&sender));
-        }
-        progress(0, runs.len());
-        for (done, (n, row)) in (1..).zip(results) {
-            if let Some(place) = rows.get_mut(n) {
-                *place = Some(row?);
-            }
-            progress(done, runs.len());
-        }
-        Ok::<(), Error>(())
-    })?;
-    Ok(rows.into_iter().flatten().collect())
+    let done = AtomicUsize::new(0);
+    progress(0, runs.len());
+    parallel::map(&runs, cores, |&(case, setting)| {
+        let row = one(case, &Attempt::new(*setting, level, interrupted))?;
+        progress(done.fetch_add(1, Ordering::Relaxed) + 1, runs.len());
+        Ok(row)
+    })
 }
 
 /// One case under one setting.
