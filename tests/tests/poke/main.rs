@@ -168,3 +168,21 @@ fn errors_against_the_converged_solution_fall_with_the_work() {
     // What single precision leaves of a converged solve.
     assert!(many.into_iter().all(|error| error < 2e-5), "{many:?}");
 }
+
+/// Between two taps the tissue comes to rest: the rounding that is left of its energy holds nothing back when it is touched again.
+#[test]
+fn a_touch_after_a_pause_is_felt_in_full() {
+    let mut request = request("be-chebyshev:10");
+    request.block = Spec {
+        nodes: [12, 12, 6],
+        young_pa: 1e7,
+        law: Law::Isotropic,
+        assembly: Assembly::PerVoxel,
+        ..request.block
+    };
+    request.course.path = Path::Tap;
+    request.ticks = 200;
+    request.reference = true;
+    let errors = run(&request).unwrap().errors.unwrap();
+    assert!(errors.force_error_max < 0.05, "{errors:?}");
+}
