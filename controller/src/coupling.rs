@@ -7,8 +7,10 @@
 use crate::lattice::{Field, add, at};
 use crate::math::{Mat3, Vec3};
 
-/// Points of one stitch.
-pub const POINTS: usize = 5;
+/// Most punctures: three stitches of four, a to d and again, a microcontroller's one.
+pub const PUNCTURES: usize = if cfg!(target_os = "none") { 4 } else { 12 };
+/// Most points: the thread's tail and the punctures.
+pub const POINTS: usize = PUNCTURES + 1;
 /// The thread's tail.
 pub const TAIL: usize = 0;
 /// Puncture a, and whatever a tool without puncture touches.
@@ -114,6 +116,13 @@ impl Coupling {
         soft && self.force.iter().all(|f| *f == Vec3::zeros())
     }
 
+    /// Points up to the last that takes part; the work of all that follows is theirs alone.
+    #[must_use]
+    pub fn points(&self) -> usize {
+        let last = self.kernels.iter().rposition(|kernel| !kernel.is_empty());
+        last.map_or(0, |last| last + 1)
+    }
+
     /// Weighted means of a field at the points.
     #[must_use]
     pub fn gather<const N: usize>(&self, field: &Field<N>) -> [Vec3; POINTS] {
@@ -134,28 +143,19 @@ impl Coupling {
         core::array::from_fn(|p| self.force[p] - given[p])
     }
 
-    /// The same with displacements counted from `u`.
-    #[must_use]
-    pub fn about(&self, u: &[Vec3; POINTS]) -> Self {
-        Self {
-            force: self.at(u),
-            ..*self
-        }
-    }
-
     /// S·u.
     #[must_use]
     pub fn product(&self, u: &[Vec3; POINTS]) -> [Vec3; POINTS] {
-        product(&self.stiffness, u)
+        product(&self.stiffness, self.points(), u)
     }
 }
 
-/// A symmetric block matrix over the points times vectors at the points.
+/// A block matrix over the first `len` points times vectors at them; nothing at the others.
 #[must_use]
-pub fn product(blocks: &[[Mat3; POINTS]; POINTS], u: &[Vec3; POINTS]) -> [Vec3; POINTS] {
-    core::array::from_fn(|p| {
-        blocks
-            .get(p)
-            .map_or_else(Vec3::zeros, |row| row.iter().zip(u).map(|(s, u)| s * u).sum())
-    })
+pub fn product(blocks: &[[Mat3; POINTS]; POINTS], len: usize, u: &[Vec3; POINTS]) -> [Vec3; POINTS] {
+    let mut all = [Vec3::zeros(); POINTS];
+    for (sum, row) in all.iter_mut().zip(blocks).take(len) {
+        *sum = row.iter().zip(u).take(len).map(|(s, u)| s * u).sum();
+    }
+    all
 }

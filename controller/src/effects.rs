@@ -8,11 +8,12 @@ pub mod key;
 
 use core::mem::size_of;
 
+use crate::coupling::PUNCTURES;
 use crate::lattice::{CURVES, DIRECTIONS};
 use crate::law::Breaks;
 use crate::math::Vec3;
 use crate::needle::{Passage, Point};
-use crate::thread::{self, NODES_MAX, Touch};
+use crate::thread::{self, Grip, NODES_MAX, Touch};
 use crate::wound::PAIRS_MAX;
 use sutura_shared::scene::Effect;
 
@@ -111,6 +112,8 @@ pub const fn row(effect: Effect) -> &'static Row {
         passivity,
         barrier,
         skin_tension,
+        thread_friction,
+        knot,
     ] = &TABLE;
     match effect {
         Effect::Gravity => gravity,
@@ -124,11 +127,13 @@ pub const fn row(effect: Effect) -> &'static Row {
         Effect::Passivity => passivity,
         Effect::Barrier => barrier,
         Effect::SkinTension => skin_tension,
+        Effect::ThreadFriction => thread_friction,
+        Effect::Knot => knot,
     }
 }
 
 /// Every effect, in the order of [`Effect::ALL`].
-pub const TABLE: [Row; 11] = [
+pub const TABLE: [Row; 13] = [
     Row {
         effect: Effect::Gravity,
         simulates: "the thread's weight",
@@ -194,7 +199,7 @@ pub const TABLE: [Row; 11] = [
         simulates: "the suture thread, from the needle through site d to site a",
         parts: &[Part::Thread, Part::Deform, Part::Force],
         state: "places and velocities of its nodes, their elimination, the point that holds its tail",
-        bytes: size_of::<thread::State>() + size_of::<thread::Work>() + size_of::<Point>() - LYING,
+        bytes: size_of::<thread::State>() + size_of::<thread::Work>() + size_of::<Point>() - LYING - RUBBING,
         bytes_per_node: 0,
         needs: Some(Effect::Puncture),
         asks: &[],
@@ -270,6 +275,30 @@ pub const TABLE: [Row; 11] = [
         section: None,
         keys: &[key::TENSION_GAIN],
     },
+    Row {
+        effect: Effect::ThreadFriction,
+        simulates: "Coulomb friction of the thread at every puncture that it runs through, right while it slides slowly",
+        parts: &[Part::Thread],
+        state: "where the thread adheres, and its drag, at every puncture",
+        bytes: RUBBING,
+        bytes_per_node: 0,
+        needs: Some(Effect::Thread),
+        asks: &[],
+        section: None,
+        keys: &[key::THREAD_FRICTION],
+    },
+    Row {
+        effect: Effect::Knot,
+        simulates: "a knot that holds the thread at the last puncture, up to a limit",
+        parts: &[Part::Thread],
+        state: "rest lengths on both sides of the knot",
+        bytes: size_of::<Option<[f32; 2]>>(),
+        bytes_per_node: 0,
+        needs: Some(Effect::Thread),
+        asks: &[],
+        section: None,
+        keys: &[key::KNOT_HOLD],
+    },
 ];
 
 /// Numbers of a voxel: its barrier, the slopes of its volume along three mean edges, its pressure.
@@ -277,6 +306,9 @@ const BARRIER_FIELDS: usize = 1 + 3 * 3 + 1;
 
 /// The ground under each node of a thread, and the node's force on it.
 const LYING: usize = NODES_MAX * (size_of::<Option<Touch>>() + size_of::<Vec3>());
+
+/// How a thread holds at each puncture.
+const RUBBING: usize = PUNCTURES * size_of::<Grip>();
 
 /// Every effect has its row, once and in order; a row's keys are its own, and their defaults are in range.
 const _: () = {

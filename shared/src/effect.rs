@@ -29,11 +29,15 @@ pub enum Effect {
     Barrier = 1 << 9,
     /// Skin under tension is harder to puncture.
     SkinTension = 1 << 10,
+    /// Friction of the thread at its punctures.
+    ThreadFriction = 1 << 11,
+    /// The thread is tied at the end; without it nothing holds it when it is let go.
+    Knot = 1 << 12,
 }
 
 impl Effect {
     /// Every effect, in the order of its bit.
-    pub const ALL: [Self; 11] = [
+    pub const ALL: [Self; 13] = [
         Self::Gravity,
         Self::Stiffening,
         Self::SpringDamping,
@@ -45,6 +49,8 @@ impl Effect {
         Self::Passivity,
         Self::Barrier,
         Self::SkinTension,
+        Self::ThreadFriction,
+        Self::Knot,
     ];
 
     /// The name a scene file uses.
@@ -62,6 +68,8 @@ impl Effect {
             Self::Passivity => "passivity",
             Self::Barrier => "barrier",
             Self::SkinTension => "skin-tension",
+            Self::ThreadFriction => "thread-friction",
+            Self::Knot => "knot",
         }
     }
 }

@@ -167,6 +167,10 @@ pub struct Thread {
     pub damping_per_s: f32,
     /// Penalty k of Eq. 8 [N/m]; used by effect `thread-contact`.
     pub penalty_n_per_m: f32,
+    /// Coefficient of friction with the tissue μ; used by effect `thread-friction`.
+    pub friction: f32,
+    /// Difference of tension at which the knot slips [N]; used by effect `knot`.
+    pub knot_hold_n: f32,
 }
 
 /// The wound: a box of removed cells.

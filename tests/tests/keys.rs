@@ -35,6 +35,14 @@ fn built(scene: &Table) -> Result<Built, String> {
     build(&plan, NODES_MAX).map_err(|error| error.to_string())
 }
 
+/// The built-in scene with effect `thread-friction`, which it leaves off: the effect's key stands in a comment.
+fn with_thread_friction() -> Table {
+    let mut scene: Table = BUILT_IN.replace("\n# friction = ", "\nfriction = ").parse().unwrap();
+    let effects = scene.get_mut("effects").unwrap().as_array_mut().unwrap();
+    effects.push(Effect::ThreadFriction.name().into());
+    scene
+}
+
 /// The value at a path such as `tissue.0.slopes_kpa.1`.
 fn at<'a>(scene: &'a mut Table, path: &str) -> &'a mut Value {
     let mut parts = path.split('.');
@@ -169,15 +177,32 @@ fn walk(name: &str, scene: &Table, chosen: impl Fn(&str) -> bool) {
 #[test]
 fn every_key_of_the_built_in_scene_acts() {
     let scene: Table = BUILT_IN.parse().unwrap();
-    // These have tests below: no other pitch fits, the phantom is the same all along, and its force and energy stay far from their limits.
+    // These have tests below: no other pitch fits, the phantom is the same all along, its force and energy stay far from their limits, and
+    // so does the knot.
     let elsewhere = [
         "patch.pitch_mm",
         "patch.along",
         "device.profile",
         "output.passivity_n_s_per_m",
+        "thread.knot_hold_n",
     ];
     walk("stitch", &scene, |path| {
         !elsewhere.contains(&path) && !path.ends_with("body")
+    });
+}
+
+/// The stitch pulls with 1.3 N.
+#[test]
+fn the_knots_limit_acts_where_it_slips() {
+    let mut scene: Table = BUILT_IN.parse().unwrap();
+    *at(&mut scene, "thread.knot_hold_n") = 0.5.into();
+    walk("slipping knot", &scene, |path| path == "thread.knot_hold_n");
+}
+
+#[test]
+fn the_threads_friction_acts() {
+    walk("rubbing thread", &with_thread_friction(), |path| {
+        path == "thread.friction"
     });
 }
 
@@ -327,7 +352,7 @@ fn leave_out(scene: &mut Table, row: &Row, kept: Option<&str>) {
 fn a_key_of_an_effect_that_is_off_is_refused_with_its_name() {
     for row in &TABLE {
         for key in row.keys {
-            let mut scene: Table = BUILT_IN.parse().unwrap();
+            let mut scene = with_thread_friction();
             leave_out(&mut scene, row, Some(key.name));
             let error = built(&scene).unwrap_err();
             let section = key.name.split('.').next().unwrap();
@@ -352,7 +377,7 @@ fn a_key_of_an_effect_that_is_off_is_refused_with_its_name() {
 #[test]
 fn a_scene_is_one_without_any_other_effect() {
     for row in TABLE.iter().filter(|row| row.effect != Effect::Puncture) {
-        let mut scene: Table = BUILT_IN.parse().unwrap();
+        let mut scene = with_thread_friction();
         leave_out(&mut scene, row, None);
         let built = built(&scene).unwrap_or_else(|error| panic!("{}: {error}", row.effect.name()));
         assert!(!built.scene.effects.has(row.effect));
@@ -363,7 +388,7 @@ fn a_scene_is_one_without_any_other_effect() {
 /// The built-in scene spells the defaults out, so it stays what it is where any of them is left out, and its effects' names suffice.
 #[test]
 fn a_key_that_is_left_out_has_its_default() {
-    let whole: Table = BUILT_IN.parse().unwrap();
+    let whole = with_thread_friction();
     let expected = built(&whole).unwrap().scene;
     let mut names = whole.clone();
     for key in TABLE

@@ -12,7 +12,7 @@ use crate::lanes::{Lanes, blocks, run_on};
 use crate::lattice::{DIRECTIONS, Field, Tissue};
 use crate::math::DT;
 
-/// Fills residual, operator and inverse diagonal for the displacement `work.step` within the tick.
+/// Fills residual, operator and inverse diagonal for the displacement `work.step` within the tick; the points' force is not among it.
 #[inline(always)]
 pub(super) fn linearise<L: Lanes, const N: usize>(
     lanes: L,
@@ -35,7 +35,6 @@ pub(super) fn linearise<L: Lanes, const N: usize>(
         } = work;
         operator::meet(faces, place, (residual, contact), inverse_diagonal);
     }
-    operator::load_points(problem, work);
 }
 
 /// The same with the inverse of each node's own 3 × 3 block of the operator instead of that of its diagonal; voxels count in it as
@@ -63,7 +62,6 @@ pub(super) fn linearise_blocks<L: Lanes, const N: usize>(
         } = work;
         operator::meet(faces, place, (residual, contact), inverse_block);
     }
-    operator::load_points(problem, work);
 }
 
 /// Springs and masses; with 6 numbers a spring the inverse diagonal, with 9 the inverse blocks.

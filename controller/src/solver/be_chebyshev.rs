@@ -72,15 +72,8 @@ impl BeChebyshev {
         let predicted = problem.coupling.gather(&work.step);
         restrain(lanes, problem.lattice, (1.0, PREDICTED), work);
         let started = problem.coupling.gather(&work.step);
-        // The coupling is stated at the predicted place.
-        let coupling = problem
-            .coupling
-            .about(&core::array::from_fn(|p| started[p] - predicted[p]));
-        let now = &Problem {
-            coupling: &coupling,
-            ..*problem
-        };
-        assembly::linearise_blocks(lanes, now, load, tissue, work);
+        assembly::linearise_blocks(lanes, problem, load, tissue, work);
+        operator::load_points(problem, &core::array::from_fn(|p| started[p] - predicted[p]), work);
         let points = Points::new(problem.coupling, &work.inverse_block);
         let (middle, half) = (0.5 * (HIGHEST + self.lowest), 0.5 * (HIGHEST - self.lowest));
         let mut ratio = half / middle;

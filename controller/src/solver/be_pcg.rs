@@ -51,19 +51,14 @@ impl BePcg {
         let started = problem.coupling.gather(&work.step);
         let mut moved: [Vec3; POINTS] = core::array::from_fn(|p| started[p] - predicted[p]);
         for round in 1..=self.newton {
-            // The coupling is stated at the predicted place; what the points have moved since changes its force.
-            let coupling = problem.coupling.about(&moved);
-            let now = Problem {
-                coupling: &coupling,
-                ..*problem
-            };
-            assembly::linearise(lanes, &now, load, tissue, work);
+            assembly::linearise(lanes, problem, load, tissue, work);
+            operator::load_points(problem, &moved, work);
             let iterations = match round < self.newton {
                 true => self.iterations.div_ceil(EARLIER),
                 false => self.iterations,
             };
-            solve(lanes, &now, iterations, work);
-            let further = coupling.gather(&work.solution);
+            solve(lanes, problem, iterations, work);
+            let further = problem.coupling.gather(&work.solution);
             moved.iter_mut().zip(&further).for_each(|(m, f)| *m += f);
             add_step(lanes, n, &mut work.step, &work.solution);
         }

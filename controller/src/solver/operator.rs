@@ -4,9 +4,10 @@ use super::points::{Inverse, Points, inner};
 use super::spring::Ends;
 use super::sweep::{Pass, sweep};
 use super::{Problem, Work, volume};
+use crate::coupling::POINTS;
 use crate::lanes::Lanes;
 use crate::lattice::{DIRECTIONS, Field, Lattice};
-use crate::math::DT;
+use crate::math::{DT, Vec3};
 use crate::wound::{Faces, PAIRS_MAX};
 
 /// 1/dt² + α/dt [1/s²].
@@ -184,10 +185,10 @@ pub(super) fn meet<const N: usize>(
     }
 }
 
-/// Adds the points' force to the residual of the nodes that move.
-pub(super) fn load_points<const N: usize>(problem: &Problem<'_, N>, work: &mut Work<N>) {
+/// Adds the points' force, once they have `moved` from their predicted places, to the residual of the nodes that move.
+pub(super) fn load_points<const N: usize>(problem: &Problem<'_, N>, moved: &[Vec3; POINTS], work: &mut Work<N>) {
     let Problem { lattice, coupling, .. } = problem;
-    for (kernel, force) in coupling.kernels.iter().zip(&coupling.force) {
+    for (kernel, force) in coupling.kernels.iter().zip(coupling.at(moved)) {
         let moving = |(node, _): &(usize, f32)| lattice.free.get(*node).is_some_and(|free| *free > 0.0);
         for (node, w) in kernel.iter().filter(moving) {
             crate::lattice::add(&mut work.residual, node, force * w);

@@ -4,9 +4,8 @@ use super::symmetric::Symmetric;
 use crate::coupling::{Coupling, POINTS, product};
 use crate::lattice::{Field, add, at};
 use crate::math::{Mat3, Vec3};
-use nalgebra::SMatrix;
 
-/// Unknowns of the coupling points.
+/// Most unknowns of the coupling points.
 const UNKNOWNS: usize = 3 * POINTS;
 
 /// D⁻¹, node by node; zero at held nodes.
@@ -71,6 +70,8 @@ impl<const N: usize> Inverse for Symmetric<N> {
 pub(super) struct Points<'a> {
     /// What holds the tissue.
     pub(super) coupling: &'a Coupling,
+    /// Points that there are.
+    len: usize,
     /// (I + S G)⁻¹.
     inverse: [[Mat3; POINTS]; POINTS],
     /// T = (I + S G)⁻¹ S.
@@ -78,35 +79,102 @@ pub(super) struct Points<'a> {
 }
 
 impl<'a> Points<'a> {
-    /// Factors the points' part, one elimination of three unknowns a point; `None` where nothing holds the tissue.
+    /// Factors the points' part, one elimination over the points that there are; `None` where nothing holds the tissue.
     pub(super) fn new(coupling: &'a Coupling, inverse: &impl Inverse) -> Option<Self> {
         if coupling.is_idle() {
             return None;
         }
-        let mut stiffness = SMatrix::<f32, UNKNOWNS, UNKNOWNS>::zeros();
-        let mut compliance = stiffness;
-        for p in 0..POINTS {
-            for q in 0..POINTS {
-                stiffness
-                    .fixed_view_mut::<3, 3>(3 * p, 3 * q)
-                    .copy_from(&coupling.stiffness[p][q]);
+        let len = coupling.points().min(POINTS);
+        let mut compliance = [[Mat3::zeros(); POINTS]; POINTS];
+        for p in 0..len {
+            for q in 0..=p {
                 let shared = overlap(coupling, [p, q], inverse);
-                compliance.fixed_view_mut::<3, 3>(3 * p, 3 * q).copy_from(&shared);
+                compliance[p][q] = shared;
+                compliance[q][p] = shared.transpose();
             }
         }
-        let system = SMatrix::<f32, UNKNOWNS, UNKNOWNS>::identity() + stiffness * compliance;
-        let inverse = system.lu().try_inverse().unwrap_or_else(SMatrix::zeros);
+        // I + S G, and beside it I and S, which the elimination turns into the two inverses.
+        let mut system = Dense::default();
+        for p in 0..len {
+            for q in 0..len {
+                let both = coupling.stiffness[p].iter().zip(&compliance).take(len);
+                let sum: Mat3 = both.map(|(s, row)| s * row[q]).sum();
+                let unit = if p == q { Mat3::identity() } else { Mat3::zeros() };
+                let stiffness = coupling.stiffness[p][q];
+                for (side, block) in [sum + unit, unit, stiffness].into_iter().enumerate() {
+                    system.put([p, side * len + q], &block);
+                }
+            }
+        }
+        system.reduce(3 * len);
+        let blocks = |side: usize| {
+            core::array::from_fn(|p| {
+                core::array::from_fn(|q| {
+                    let there = p < len && q < len;
+                    if there {
+                        system.block([p, side * len + q])
+                    } else {
+                        Mat3::zeros()
+                    }
+                })
+            })
+        };
         Some(Self {
             coupling,
-            inverse: blocks(&inverse),
-            schur: blocks(&(inverse * stiffness)),
+            len,
+            inverse: blocks(1),
+            schur: blocks(2),
         })
     }
 }
 
-/// A matrix over the points by point and point.
-fn blocks(matrix: &SMatrix<f32, UNKNOWNS, UNKNOWNS>) -> [[Mat3; POINTS]; POINTS] {
-    core::array::from_fn(|p| core::array::from_fn(|q| matrix.fixed_view::<3, 3>(3 * p, 3 * q).into_owned()))
+/// A small matrix with as many columns of right sides behind it as it has itself, twice.
+struct Dense([[f32; 3 * UNKNOWNS]; UNKNOWNS]);
+
+impl Default for Dense {
+    fn default() -> Self {
+        Self([[0.0; 3 * UNKNOWNS]; UNKNOWNS])
+    }
+}
+
+impl Dense {
+    /// Writes a block, counted in blocks.
+    fn put(&mut self, [p, q]: [usize; 2], block: &Mat3) {
+        for (row, values) in self.0.iter_mut().skip(3 * p).zip(block.row_iter()) {
+            for (cell, value) in row.iter_mut().skip(3 * q).zip(values.iter()) {
+                *cell = *value;
+            }
+        }
+    }
+
+    fn block(&self, [p, q]: [usize; 2]) -> Mat3 {
+        let rows = self.0.iter().skip(3 * p).take(3);
+        Mat3::from_row_iterator(rows.flat_map(|row| row.iter().skip(3 * q).take(3).copied()))
+    }
+
+    /// Gauss and Jordan's elimination of the first `n` columns with partial pivoting: what stands behind them becomes their inverse times it.
+    fn reduce(&mut self, n: usize) {
+        let width = (3 * n).min(3 * UNKNOWNS);
+        for k in 0..n.min(UNKNOWNS) {
+            let mut best = k;
+            for i in k + 1..n.min(UNKNOWNS) {
+                if self.0[i][k].abs() > self.0[best][k].abs() {
+                    best = i;
+                }
+            }
+            self.0.swap(k, best);
+            // I + S G has no eigenvalue below one.
+            let scale = 1.0 / self.0[k][k];
+            let pivot = self.0[k].map(|x| x * scale);
+            self.0[k] = pivot;
+            for (i, row) in self.0.iter_mut().enumerate().take(n) {
+                let factor = if i == k { 0.0 } else { row[k] };
+                for (cell, x) in row.iter_mut().zip(&pivot).take(width).skip(k) {
+                    *cell -= factor * x;
+                }
+            }
+        }
+    }
 }
 
 impl Points<'_> {
@@ -116,7 +184,7 @@ impl Points<'_> {
         let mut force = self.coupling.force;
         let held = self.coupling.product(free);
         force.iter_mut().zip(&held).for_each(|(f, s)| *f -= s);
-        product(&self.inverse, &force)
+        product(&self.inverse, self.len, &force)
     }
 
     /// What the points take of D⁻¹ r to make M⁻¹ r = D⁻¹ r − D⁻¹ Wᵀ b: b, and rᵀ D⁻¹ Wᵀ b.
@@ -125,7 +193,7 @@ impl Points<'_> {
             let of = |(node, w)| inverse.times(node, at(residual, node)) * w;
             kernel.iter().map(of).sum::<Vec3>()
         });
-        let back = product(&self.schur, &scaled);
+        let back = product(&self.schur, self.len, &scaled);
         let taken = inner(&scaled, &back);
         (back, taken)
     }

@@ -30,6 +30,10 @@ pub struct Params {
     pub(super) coupling: f32,
     /// Penalty of Eq. 8 [N/m]; nothing without effect `thread-contact`.
     pub(super) penalty: Option<f32>,
+    /// Coefficient of friction at the punctures; nothing without effect `thread-friction`.
+    pub(super) friction: Option<f32>,
+    /// Difference of tension at which the knot slips [N]; nothing without effect `knot`.
+    pub(super) knot: Option<f32>,
 }
 
 impl Params {
@@ -92,6 +96,8 @@ pub fn build(thread: &scene::Thread, coupling_n_per_m: f32, effects: Effects) ->
     let not_negative = [
         ("damping_per_s", thread.damping_per_s),
         ("penalty_n_per_m", thread.penalty_n_per_m),
+        ("friction", thread.friction),
+        ("knot_hold_n", thread.knot_hold_n),
     ];
     if let Some((name, _)) = positive.iter().find(|(_, value)| !(value.is_finite() && *value > 0.0)) {
         return Err(ConfigError::Coefficient(name));
@@ -113,5 +119,7 @@ pub fn build(thread: &scene::Thread, coupling_n_per_m: f32, effects: Effects) ->
         weight: effects.has(Effect::Gravity).then_some(mass * GRAVITY),
         coupling: coupling_n_per_m,
         penalty: effects.has(Effect::ThreadContact).then_some(thread.penalty_n_per_m),
+        friction: effects.has(Effect::ThreadFriction).then_some(thread.friction),
+        knot: effects.has(Effect::Knot).then_some(thread.knot_hold_n),
     })
 }

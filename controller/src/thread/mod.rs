@@ -1,22 +1,28 @@
 //! The suture thread: mass elements on stiff springs (Lian & Chen §3.2–3.4, Figs 13–16), behaviour beside needle and tissue.
 //!
 //! m_i ẍ_i + c_i ẋ_i + ΣF_i = ΣP_i (Eq. 7) is advanced by backward Euler. A link pulls with EA (l/l₀ − 1) and never pushes; P is
-//! weight and the penalty of the tissue's surface (Eq. 8). N₀ hangs on the needle's swage, N₍ₙ₋₁₎ is held by the tissue at the
-//! left puncture and the thread runs through an eyelet at the right one (Fig. 16).
+//! weight and the penalty of the tissue's surface (Eq. 8). N₀ hangs on the needle's swage, N₍ₙ₋₁₎ is held by the tissue where the
+//! stitch begins, and between them the thread runs through an eyelet at every puncture that the needle has passed (Fig. 16).
 //!
 //! A link is a hundred times stiffer than the skin it is tied to, so the two are never advanced in turn. [`condense`] eliminates
-//! every node of the block-tridiagonal system onto the two points of the tissue, exactly; the tissue's solve carries that small
-//! block; [`settle`] substitutes back. The operation count is fixed.
+//! every node of the block-tridiagonal system onto the points of the tissue, exactly; the tissue's solve carries that small
+//! block; [`settle`] substitutes back. The operation count is that of the nodes and eyelets there are.
 //!
 //! ```text
-//! condense   predict → {links, elimination, the points' own answer, eyelet}×6 → links, elimination → force and stiffness at the points
-//! settle     back-substitution → velocities → eyelet → Pull
+//! condense   predict → {links, elimination, the points' own answer, eyelets}×7 → links, elimination → force and stiffness at the points
+//! settle     back-substitution → velocities → eyelets → Pull
 //! ```
 
+mod adhere;
+mod answer;
+mod chain;
 mod config;
 mod contact;
-mod eyelet;
+mod course;
 mod factor;
+mod friction;
+mod front;
+mod knot;
 mod link;
 mod pull;
 mod solve;
@@ -26,6 +32,9 @@ mod tests;
 
 pub use config::{ConfigError, Params, build};
 pub use contact::{Ground, Touch};
+pub use course::{Course, Eyelet};
+pub use friction::Grip;
+pub use front::Condensed;
 pub use pull::{Pull, eq11};
-pub use solve::{Condensed, Ends, Work, condense, settle};
-pub use state::{NODES_MAX, Place, Run, State};
+pub use solve::{Ends, Work, condense, settle};
+pub use state::{NODES_MAX, Place, State};

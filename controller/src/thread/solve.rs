@@ -1,19 +1,22 @@
-//! One backward Euler step: linearise, eliminate every node onto the tissue's two points, substitute back.
-//!
-//! With u the nodes' displacements and c those of the points, −∂²/∂(u, c)² of the incremental energy is block-tridiagonal in u
-//! with one column for the eyelet. A forward elimination from N₀ to the tail leaves `force − stiffness·c` at the points.
+//! One backward Euler step: linearise, eliminate every node onto the tissue's points, substitute back.
 
+use core::ops::Range;
+
+use super::adhere::{adhere, grip};
+use super::answer::answer;
+use super::chain::Chain;
 use super::config::Params;
 use super::contact::{Ground, Touch, press};
-use super::eyelet::{pieces, slide};
-use super::factor::Factor;
-use super::link::{self, Link, Piece};
+use super::course::{Course, slide};
+use super::front::{Condensed, Crossing, Front, Row};
+use super::link::{self, Link};
 use super::pull::{Pull, pull};
-use super::state::{NODES_MAX, Place, Run, State};
+use super::state::{NODES_MAX, Place, State};
+use crate::coupling::{POINTS, PUNCTURES};
 use crate::math::{DT, Mat3, Vec3};
 
 /// Newton iterations of the thread alone before it is linearised for the tissue.
-const ITERATIONS: usize = 6;
+const ITERATIONS: usize = 7;
 /// In the first iteration a link this much shorter than at rest, of its length, is taken for taut: a thread becomes taut all
 /// along at once, and would do so link by link otherwise.
 const NEARLY_TAUT: f32 = 0.02;
@@ -25,39 +28,11 @@ pub struct Ends {
     pub swage: Option<Vec3>,
     /// The tissue's point that holds N₍ₙ₋₁₎ [m]; none where the tail is free.
     pub tail: Option<Vec3>,
-    /// The tissue's point through which the thread runs [m]; it must be given unless the thread's [`Run`] is `Free`.
-    pub eyelet: Option<Vec3>,
+    /// The tissue's points through which the thread runs [m], in the order of its [`Course`]; only so many have a meaning.
+    pub eyelets: [Vec3; PUNCTURES],
     /// About what the tissue answers a point's displacement with, springs and inertia [N/m]; more than zero. It steers the
     /// thread's own iterations and has no part in the result once they have converged.
     pub end_stiffness: f32,
-}
-
-/// The thread as the tissue sees it: its force at displacements c of tail and eyelet from their predicted positions is
-/// `force − stiffness·c`. A point that does not hold the thread has zeros.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Condensed {
-    /// Force on the tail's and the eyelet's point [N].
-    pub force: [Vec3; 2],
-    /// Stiffness, symmetric and positive semidefinite [N/m].
-    pub stiffness: [[Mat3; 2]; 2],
-}
-
-impl Condensed {
-    /// The same with displacements counted from `c`.
-    fn about(&self, c: [Vec3; 2]) -> Self {
-        Self {
-            force: self.at(c),
-            ..*self
-        }
-    }
-
-    /// The forces at displacements `c`.
-    fn at(&self, c: [Vec3; 2]) -> [Vec3; 2] {
-        let [tail, eyelet] = c;
-        let [on_tail, on_eyelet] = self.force;
-        let [[tt, te], [et, ee]] = self.stiffness;
-        [on_tail - tt * tail - te * eyelet, on_eyelet - et * tail - ee * eyelet]
-    }
 }
 
 /// What `condense` leaves for `settle`.
@@ -66,13 +41,13 @@ pub struct Work {
     /// Force of each node on the ground [N], after `settle`.
     pub reaction: [Vec3; NODES_MAX],
     nodes: [Place; NODES_MAX],
-    eyelet: Place,
+    course: Course,
     ends: Ends,
     reduced: Condensed,
-    run: Run,
-    pieces: Option<[Piece; 2]>,
     touch: [Option<Touch>; NODES_MAX],
     rows: [Row; NODES_MAX],
+    crossings: [Crossing; PUNCTURES],
+    crossed: usize,
 }
 
 impl Default for Work {
@@ -80,95 +55,59 @@ impl Default for Work {
         Self {
             reaction: [Vec3::zeros(); NODES_MAX],
             nodes: [Place::default(); NODES_MAX],
-            eyelet: Place::default(),
+            course: Course::default(),
             ends: Ends::default(),
             reduced: Condensed::default(),
-            run: Run::Free,
-            pieces: None,
             touch: [None; NODES_MAX],
             rows: [Row::default(); NODES_MAX],
+            crossings: [Crossing::default(); PUNCTURES],
+            crossed: 0,
         }
-    }
-}
-
-/// An eliminated node: its displacement is `alone − next·u₊₁ − point·c`.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-struct Row {
-    alone: Vec3,
-    next: Mat3,
-    point: Mat3,
-}
-
-/// What the eliminated nodes leave to the next node and to the eyelet.
-#[derive(Clone, Copy, Default)]
-struct Front {
-    force: Vec3,
-    block: Mat3,
-    /// Block of the next node with the eyelet.
-    shared: Mat3,
-    eyelet_force: Vec3,
-    eyelet_block: Mat3,
-    /// Whether the eyelet has been reached; no node before it has a part in the eyelet's blocks.
-    through: bool,
-}
-
-impl Front {
-    /// Eliminates the node at the front, which `link` joins to the next.
-    fn eliminate(&mut self, link: &Link) -> Row {
-        let factor = Factor::new(&(self.block + link.aa));
-        let mut row = Row {
-            alone: factor.solve(self.force + link.on_a),
-            next: factor.solve_columns(&link.ab),
-            point: Mat3::zeros(),
-        };
-        let to_next = link.ab.transpose();
-        self.force = link.on_b - to_next * row.alone;
-        self.block = link.bb - to_next * row.next;
-        self.through |= link.through.is_some();
-        if self.through {
-            let through = link.through.unwrap_or_default();
-            let shared = self.shared + through.ap;
-            let to_eyelet = shared.transpose();
-            row.point = factor.solve_columns(&shared);
-            self.shared = through.bp - to_next * row.point;
-            self.eyelet_force += through.on_p - to_eyelet * row.alone;
-            self.eyelet_block += through.pp - to_eyelet * row.point;
-        }
-        row
     }
 }
 
 /// Advances the thread in thought against tissue that answers with `ends.end_stiffness`, linearises it there and eliminates
-/// every node. Fixed operation count; `state` is not changed.
-pub fn condense<G: Ground>(params: &Params, state: &State, ends: &Ends, ground: &G, work: &mut Work) -> Condensed {
+/// every node. The operation count is that of the nodes and eyelets there are; `state` is not changed.
+pub fn condense<'w, G: Ground>(
+    params: &Params,
+    state: &State,
+    ends: &Ends,
+    ground: &G,
+    work: &'w mut Work,
+) -> &'w Condensed {
     begin(params, state, ends, work);
     look(params, ground, work);
     for iteration in 0..ITERATIONS {
         let slack = if iteration == 0 { NEARLY_TAUT * params.rest } else { 0.0 };
-        let reduced = eliminate(params, state, work, slack);
-        let moved = answer(&reduced, state, ends, iterate(params, work));
-        substitute(params, work, moved);
+        eliminate(params, state, work, slack);
+        let moved = answer(&work.reduced, ends.end_stiffness, &unbalanced(params, state, work));
+        substitute(params, work, &moved);
     }
-    let [tail, eyelet] = iterate(params, work);
-    work.reduced = eliminate(params, state, work, 0.0).about([-tail, -eyelet]);
-    work.reduced
+    eliminate(params, state, work, 0.0);
+    // What was linearised about the iterate, counted from the predicted positions.
+    let back = iterate(params, work).map(|c| -c);
+    work.reduced.force = work.reduced.at(&back);
+    &work.reduced
 }
 
-/// Ends the tick that `condense` began: the points have `moved` by this much from their predicted positions [m].
-pub fn settle(params: &Params, state: &mut State, work: &mut Work, moved: [Vec3; 2]) -> Pull {
-    let [tail, eyelet] = moved;
-    let [tail_iterate, eyelet_iterate] = iterate(params, work);
-    substitute(params, work, [tail - tail_iterate, eyelet - eyelet_iterate]);
+/// Ends the tick that `condense` began: the points, the tail's and then the eyelets', have `moved` by this much from their predicted
+/// positions [m].
+pub fn settle(params: &Params, state: &mut State, work: &mut Work, moved: &[Vec3; POINTS]) -> Pull {
+    let mut further = *moved;
+    let reached = iterate(params, work);
+    further.iter_mut().zip(&reached).for_each(|(f, r)| *f -= r);
+    substitute(params, work, &further);
     let all = state.nodes.iter_mut().zip(&mut state.velocity);
     for ((node, velocity), new) in all.zip(&work.nodes).take(params.nodes) {
         *velocity = node.to(new) / DT;
         *node = new.normalised();
     }
-    state.eyelet = work.ends.eyelet.map(|_| work.eyelet.point());
-    if state.eyelet.is_some() {
-        state.run = work.run;
+    state.course = work.course;
+    for eyelet in &mut state.course.eyelets {
+        eyelet.place = Place::new(eyelet.place.point());
     }
     state.load = work.reduced.at(moved);
+    adhere(params, state);
     react(params, work);
     pull(params, state, work.ends.swage)
 }
@@ -177,19 +116,23 @@ pub fn settle(params: &Params, state: &mut State, work: &mut Work, moved: [Vec3;
 /// and which has passed it.
 fn begin(params: &Params, state: &State, ends: &Ends, work: &mut Work) {
     work.ends = *ends;
-    work.run = if ends.eyelet.is_some() { state.run } else { Run::Free };
+    work.course = state.course;
     work.nodes = state.nodes;
-    work.eyelet = Place::default();
-    if let Some(eyelet) = ends.eyelet {
-        work.eyelet = Place::new(eyelet);
-        work.eyelet.fine = state.eyelet.map_or_else(Vec3::zeros, |old| old - eyelet);
+    work.reduced.len = state.course.count.min(PUNCTURES) + 1;
+    for (eyelet, predicted) in work.course.eyelets.iter_mut().zip(&ends.eyelets) {
+        eyelet.place = from(*predicted, &eyelet.place);
     }
     if let (Some(tail), Some(node)) = (ends.tail, work.nodes.get_mut(params.nodes - 1)) {
-        let new = Place::new(tail);
-        *node = Place {
-            fine: new.to(node),
-            ..new
-        };
+        *node = from(tail, node);
+    }
+}
+
+/// The same place as a displacement from `predicted`.
+fn from(predicted: Vec3, place: &Place) -> Place {
+    let new = Place::new(predicted);
+    Place {
+        fine: new.to(place),
+        ..new
     }
 }
 
@@ -209,19 +152,33 @@ fn look<G: Ground>(params: &Params, ground: &G, work: &mut Work) {
 }
 
 /// Displacements of the points' iterates from their predictions.
-fn iterate(params: &Params, work: &Work) -> [Vec3; 2] {
-    let tail = work
-        .nodes
-        .get(params.nodes - 1)
-        .map_or_else(Vec3::zeros, |node| node.fine);
-    [
-        if work.ends.tail.is_some() { tail } else { Vec3::zeros() },
-        work.eyelet.fine,
-    ]
+fn iterate(params: &Params, work: &Work) -> [Vec3; POINTS] {
+    let mut moved = [Vec3::zeros(); POINTS];
+    let tail = work.nodes.get(params.nodes - 1).filter(|_| work.ends.tail.is_some());
+    let eyelets = work.course.through().iter().map(|eyelet| eyelet.place.fine);
+    let points = [tail.map_or_else(Vec3::zeros, |node| node.fine)]
+        .into_iter()
+        .chain(eyelets);
+    moved.iter_mut().zip(points).for_each(|(moved, fine)| *moved = fine);
+    moved
+}
+
+/// What pulls on the points at the iterate, if the tissue at its prediction bears the thread's last forces and answers any change
+/// with springs of `end_stiffness`.
+fn unbalanced(params: &Params, state: &State, work: &Work) -> [Vec3; POINTS] {
+    let mut force = work.reduced.force;
+    let tissue = state.load.iter().zip(iterate(params, work));
+    for (force, (load, moved)) in force.iter_mut().zip(tissue) {
+        *force -= load + moved * work.ends.end_stiffness;
+    }
+    if let (None, [tail, ..]) = (work.ends.tail, &mut force) {
+        *tail = Vec3::zeros();
+    }
+    force
 }
 
 /// Linearises at the iterate and eliminates the nodes; the result is about the iterate. An effect that is off has no part in the pass.
-fn eliminate(params: &Params, state: &State, work: &mut Work, slack: f32) -> Condensed {
+fn eliminate(params: &Params, state: &State, work: &mut Work, slack: f32) {
     let (floats, hovers) = (|_: f32, _: &mut Front| (), |_: &Work, _: usize, _: &mut Front| ());
     let weighs = |weight: f32| move |share: f32, front: &mut Front| front.force.z -= weight * share;
     let lies = |penalty: f32| move |work: &Work, index: usize, front: &mut Front| lie(penalty, work, index, front);
@@ -240,38 +197,67 @@ fn forward(
     work: &mut Work,
     slack: f32,
     (fall, lie): (impl Fn(f32, &mut Front), impl Fn(&Work, usize, &mut Front)),
-) -> Condensed {
-    work.pieces = match work.run {
-        Run::Free => None,
-        Run::Sliding { link } | Run::Tied { link, .. } => Some(pieces(&work.nodes, params.nodes, link, &work.eyelet)),
+) {
+    work.reduced = Condensed {
+        len: work.reduced.len,
+        ..Condensed::default()
     };
+    work.crossed = 0;
     let mut front = Front::default();
-    let last = params.nodes - 1;
-    for index in 0..params.nodes {
-        let held = index == last && work.ends.tail.is_some();
-        if held {
-            break;
-        }
+    let mut newer = work.course.count;
+    let (last, held) = (params.nodes - 1, work.ends.tail.is_some());
+    let free = params.nodes - usize::from(held);
+    for index in 0..free {
         own(params, state, work, index, (&fall, &mut front));
         lie(work, index, &mut front);
-        let link = if index < last {
-            at(params, work, index, slack)
+        let eyelets = work.course.within(index, newer);
+        let row = if eyelets.is_empty() || index == last {
+            front.eliminate(&at(params, work, index, slack))
         } else {
-            Link::default()
+            newer = eyelets.start;
+            cross(params, work, (index, eyelets), slack, &mut front)
         };
-        let row = front.eliminate(&link);
         if let Some(slot) = work.rows.get_mut(index) {
             *slot = row;
         }
     }
-    let symmetric = |m: Mat3| (m + m.transpose()) * 0.5;
-    Condensed {
-        force: [front.force, front.eyelet_force],
-        stiffness: [
-            [symmetric(front.block), front.shared],
-            [front.shared.transpose(), symmetric(front.eyelet_block)],
-        ],
+    let seen = seen(work);
+    front.end(held, &seen, &mut work.reduced);
+    work.reduced.symmetrise();
+}
+
+/// What nodes behind the last crossing see of the eyelets.
+fn seen(work: &Work) -> [Mat3; PUNCTURES] {
+    let last = work.crossed.checked_sub(1).and_then(|last| work.crossings.get(last));
+    last.map_or([Mat3::zeros(); PUNCTURES], |crossing| crossing.seen)
+}
+
+/// Eliminates node `index`, whose link passes `eyelets`.
+fn cross(
+    params: &Params,
+    work: &mut Work,
+    (index, eyelets): (usize, Range<usize>),
+    slack: f32,
+    front: &mut Front,
+) -> Row {
+    let passed = seen(work);
+    let tied = work.course.knot.filter(|_| eyelets.end == work.course.count);
+    let chain = Chain::new((&work.nodes, params.nodes), &work.course, index, eyelets.clone());
+    let strain = chain.strain(params, slack, tied);
+    grip(params, &mut work.course, (&chain, eyelets.clone()), &strain);
+    let forces = chain.forces(&strain);
+    let mut crossing = Crossing {
+        link: index,
+        eyelets: [eyelets.start, eyelets.end],
+        tangents: chain.tangents,
+        ..Crossing::default()
+    };
+    let row = front.cross(&forces, &mut crossing, &passed, &mut work.reduced);
+    if let Some(slot) = work.crossings.get_mut(work.crossed) {
+        *slot = crossing;
+        work.crossed += 1;
     }
+    row
 }
 
 /// Adds what acts on node `index` alone: inertia, weight and the swage.
@@ -308,63 +294,57 @@ fn lie(penalty: f32, work: &Work, index: usize, front: &mut Front) {
     }
 }
 
-/// Link `index` at the iterate.
+/// Link `index` at the iterate; none behind the last node.
 fn at(params: &Params, work: &Work, index: usize, slack: f32) -> Link {
-    match (work.run, &work.pieces) {
-        (Run::Sliding { link }, Some(pieces)) if link == index => link::sliding(params, pieces, slack),
-        (Run::Tied { link, rest }, Some(pieces)) if link == index => link::tied(params, pieces, rest),
-        _ => match (work.nodes.get(index), work.nodes.get(index + 1)) {
-            (Some(a), Some(b)) => link::plain(params, a.to(b), slack),
-            _ => Link::default(),
-        },
+    match (work.nodes.get(index), work.nodes.get(index + 1)) {
+        (Some(a), Some(b)) if index + 1 < params.nodes => link::plain(params, a.to(b), slack),
+        _ => Link::default(),
     }
-}
-
-/// How far the points go from their iterates if the tissue, at its prediction, bears the thread's last forces and answers any
-/// change with springs of `end_stiffness`.
-fn answer(reduced: &Condensed, state: &State, ends: &Ends, iterate: [Vec3; 2]) -> [Vec3; 2] {
-    let [tail, eyelet] = iterate;
-    let [tail_load, eyelet_load] = state.load;
-    let [[tt, te], [_, ee]] = reduced.stiffness;
-    let [mut on_tail, mut on_eyelet] = reduced.force;
-    let spring = Mat3::from_diagonal_element(ends.end_stiffness);
-    let mut eyelet_block = ee + spring;
-    on_eyelet -= eyelet_load + eyelet * ends.end_stiffness;
-    let (mut alone, mut shared) = (Vec3::zeros(), Mat3::zeros());
-    if ends.tail.is_some() {
-        on_tail -= tail_load + tail * ends.end_stiffness;
-        let factor = Factor::new(&(tt + spring));
-        alone = factor.solve(on_tail);
-        shared = factor.solve_columns(&te);
-        on_eyelet -= te.transpose() * alone;
-        eyelet_block -= te.transpose() * shared;
-    }
-    let eyelet = if ends.eyelet.is_some() {
-        Factor::new(&eyelet_block).solve(on_eyelet)
-    } else {
-        Vec3::zeros()
-    };
-    [alone - shared * eyelet, eyelet]
 }
 
 /// Moves the iterate: the points by `moved`, the nodes by what follows from it; then lets the thread slide by a node.
-fn substitute(params: &Params, work: &mut Work, moved: [Vec3; 2]) {
-    let [tail, eyelet] = moved;
-    let mut next = tail;
+fn substitute(params: &Params, work: &mut Work, moved: &[Vec3; POINTS]) {
+    let [tail, eyelets @ ..] = moved;
     let held = usize::from(work.ends.tail.is_some());
+    let mut next = *tail;
     if let (1, Some(node)) = (held, work.nodes.get_mut(params.nodes - 1)) {
         node.fine += tail;
     }
-    if work.ends.eyelet.is_some() {
-        work.eyelet.fine += eyelet;
+    for (eyelet, moved) in work.course.eyelets.iter_mut().zip(eyelets).take(work.course.count) {
+        eyelet.place.fine += moved;
     }
-    let nodes = work.nodes.iter_mut().zip(&work.rows);
-    for (node, row) in nodes.take(params.nodes - held).rev() {
-        next = row.alone - row.next * next - row.point * eyelet;
+    let sum = |blocks: &[Mat3; PUNCTURES]| -> Vec3 { blocks.iter().zip(eyelets).map(|(block, c)| block * c).sum() };
+    let mut crossings = work.crossings.iter().take(work.crossed).rev().peekable();
+    let mut y = crossings
+        .peek()
+        .map_or_else(Vec3::zeros, |crossing| sum(&crossing.seen));
+    let nodes = work.nodes.iter_mut().zip(&work.rows).enumerate();
+    for (index, (node, row)) in nodes.take(params.nodes - held).rev() {
+        let mut by = Vec3::zeros();
+        if let Some(crossing) = crossings.next_if(|crossing| crossing.link == index) {
+            by = sum(&crossing.columns);
+            y = crossings
+                .peek()
+                .map_or_else(Vec3::zeros, |crossing| sum(&crossing.seen));
+        }
+        next = row.alone - row.next * next - row.onto * y - by;
         node.fine += next;
     }
-    if let Some(pieces) = &work.pieces {
-        slide(params, &mut work.nodes, &mut work.run, &work.eyelet, pieces);
+    let Work {
+        nodes,
+        course,
+        crossings,
+        crossed,
+        ..
+    } = work;
+    for crossing in crossings.iter().take(*crossed) {
+        slide(
+            params,
+            nodes,
+            course,
+            (crossing.link, crossing.range()),
+            crossing.tangents,
+        );
     }
 }
 

@@ -1,11 +1,15 @@
-//! What changes in a thread: places, velocities, and how it runs at the right puncture.
+//! What changes in a thread: places, velocities, and where it runs.
 
-use super::config::{EYELET, Params};
-use super::link::tied_stiffness;
+use super::chain::Chain;
+use super::config::Params;
+use super::course::{Course, Eyelet};
+use super::friction::Grip;
+use super::knot::tied_rest;
+use crate::coupling::POINTS;
 use crate::math::{Vec3, direction, length};
 
-/// Most mass elements of a thread.
-pub const NODES_MAX: usize = 64;
+/// Most mass elements of a thread; a microcontroller has less memory.
+pub const NODES_MAX: usize = if cfg!(target_os = "none") { 64 } else { 256 };
 
 /// A position in two parts, `coarse + fine`, so that a displacement of a nanometre is not rounded away a decimetre from the origin:
 /// half a unit in the last place of 0.1 m is 4 nm, which a link of 15 kN/m answers with 0.06 mN.
@@ -50,26 +54,6 @@ impl Place {
     }
 }
 
-/// How the thread runs at the right puncture.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub enum Run {
-    /// Not through it.
-    #[default]
-    Free,
-    /// Without friction: link `link`, between N₍link₎ on the needle's side and the next node on the tail's, passes the eyelet.
-    Sliding {
-        /// Index of the link.
-        link: usize,
-    },
-    /// Held by the knot: the link's two pieces no longer share their length.
-    Tied {
-        /// Index of the link.
-        link: usize,
-        /// Rest lengths of the piece on the needle's and on the tail's side [m].
-        rest: [f32; 2],
-    },
-}
-
 /// The thread's state; only the first n entries have a meaning, the others stay zero.
 #[derive(Clone, Debug, PartialEq)]
 pub struct State {
@@ -77,12 +61,10 @@ pub struct State {
     pub nodes: [Place; NODES_MAX],
     /// Their velocities [m/s].
     pub velocity: [Vec3; NODES_MAX],
-    /// Where the right puncture was [m]; none while the thread has nothing to do with it.
-    pub eyelet: Option<Vec3>,
-    /// Forces on the tissue's points, tail and eyelet, at the end of the last tick [N].
-    pub load: [Vec3; 2],
-    /// The right puncture.
-    pub run: Run,
+    /// The punctures that it runs through, and where they were.
+    pub course: Course,
+    /// Forces on the tissue's points, the tail's and then the eyelets', at the end of the last tick [N].
+    pub load: [Vec3; POINTS],
 }
 
 /// Length of a laid link over its rest length: links right at the edge of taut would tug as they settle.
@@ -107,9 +89,8 @@ impl State {
         let mut state = Self {
             nodes: [Place::default(); NODES_MAX],
             velocity: [Vec3::zeros(); NODES_MAX],
-            eyelet: None,
-            load: [Vec3::zeros(); 2],
-            run: Run::Free,
+            course: Course::default(),
+            load: [Vec3::zeros(); POINTS],
         };
         let mut at = from;
         let mut heading = 0.5 * turn * (links - 1.0);
@@ -128,31 +109,33 @@ impl State {
         nodes.map(|(place, velocity)| (place.point(), *velocity))
     }
 
-    /// Leads the thread through the right puncture: the needle's swage has just passed it.
-    pub fn lead_through(&mut self) {
-        if self.run == Run::Free {
-            self.run = Run::Sliding { link: 0 };
+    /// Leads the thread through one more puncture, now at `place` [m]: the needle's swage has just passed it. Beyond
+    /// [`PUNCTURES`](crate::coupling::PUNCTURES) it holds no more.
+    pub fn lead_through(&mut self, place: Vec3) {
+        if let Some(eyelet) = self.course.eyelets.get_mut(self.course.count) {
+            *eyelet = Eyelet {
+                place: Place::new(place),
+                link: 0,
+                grip: Grip::default(),
+            };
+            self.course.count += 1;
         }
     }
 
-    /// Ties the thread at the right puncture: each piece of the link keeps the tension it has.
+    /// Ties the thread at the last puncture: each part of the link there keeps the tension it has. Nothing is tied without effect `knot`.
     pub fn tie(&mut self, params: &Params) {
-        let Run::Sliding { link } = self.run else {
+        let (Some(newest), None, Some(_)) = (self.course.through().last(), self.course.knot, params.knot) else {
             return;
         };
-        let (Some(eyelet), Some(near), Some(far)) = (self.eyelet, self.nodes.get(link), self.nodes.get(link + 1))
-        else {
-            return;
-        };
-        let eyelet = Place::new(eyelet);
-        let pieces = [length(eyelet.to(near)), length(eyelet.to(far))];
-        let whole = pieces.iter().sum::<f32>().max(EYELET);
-        let tension = params.stiffness() * (whole - params.rest);
-        let rest = pieces.map(|piece| {
-            let share = params.rest * piece / whole;
-            piece - tension / tied_stiffness(params, share)
-        });
-        self.run = Run::Tied { link, rest };
+        let eyelets = self.course.within(newest.link, self.course.count);
+        let chain = Chain::new((&self.nodes, params.nodes), &self.course, newest.link, eyelets);
+        let [needle, behind, ..] = chain.strain(params, 0.0, None).tension;
+        let tail_side = chain.length_from(1);
+        let parts = [(chain.length_from(0) - tail_side, needle), (tail_side, behind)];
+        self.course.knot = Some(parts.map(|(length, tension)| tied_rest(params, length, tension)));
+        for eyelet in &mut self.course.eyelets {
+            eyelet.grip = Grip::default();
+        }
     }
 }
 

@@ -8,7 +8,7 @@ mod view;
 
 pub use params::ConfigError;
 
-use crate::coupling::{Coupling, D, TAIL};
+use crate::coupling::Coupling;
 use crate::event::{Fault, Faults};
 use crate::hash::Hasher;
 use crate::lanes::Level;
@@ -156,8 +156,7 @@ impl<'m, const N: usize> Controller<'m, N> {
 
         // force
         let grip = needle::settle(&params.needle, &mut state.needle, &arc, (&holds, &moved), tissue);
-        let ends = [moved[TAIL], moved[D]];
-        state.pull = sewing::relax(params, state, ends, (lattice, load), &mut self.thread_work);
+        state.pull = sewing::relax(params, state, &moved, (lattice, load), &mut self.thread_work);
         let simulated = grip.force + state.pull.direction * state.pull.tension;
 
         // safety: every force leaves through here
@@ -217,7 +216,8 @@ impl<'m, const N: usize> Controller<'m, N> {
                 hasher.vector(place);
                 hasher.vector(velocity);
             }
-            run.load.into_iter().for_each(|load| hasher.vector(load));
+            let loads = run.load.into_iter().take(run.course.count + 1);
+            loads.for_each(|load| hasher.vector(load));
         }
     }
 }

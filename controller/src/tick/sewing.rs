@@ -2,10 +2,10 @@
 
 use super::State;
 use super::params::Params;
-use crate::coupling::{Coupling, D, TAIL};
+use crate::coupling::{Coupling, D, POINTS, PUNCTURES, TAIL};
 use crate::lattice::{Field, Lattice, Tissue};
 use crate::math::Vec3;
-use crate::needle::{Arc, Passage};
+use crate::needle::{self, Arc, Passage};
 use crate::surface::{self, Bridge};
 use crate::thread::{self, Ends, Ground, Pull, Touch};
 use sutura_shared::scene::{Site, Stage};
@@ -13,7 +13,36 @@ use sutura_shared::scene::{Site, Stage};
 /// About what skin answers a point's displacement with [N/m]; it steers the thread's own iterations only.
 const SURFACE_STIFFNESS: f32 = 300.0;
 
-/// States the thread's pull on its two points, condensed, and adds it to the coupling.
+/// The sites that the thread runs through, in the order in which the needle passes them, each with the point that it has in common with the
+/// needle: d alone, where it leaves the tissue.
+const RUNS_THROUGH: [(Site, usize); 1] = [(Site::D, D)];
+
+/// The points that hold the thread, in its order: its tail, then the punctures that it runs through.
+fn slots() -> impl Iterator<Item = usize> {
+    [TAIL].into_iter().chain(RUNS_THROUGH.map(|(_, slot)| slot))
+}
+
+/// Leads the thread through every site that the needle has passed, and gives where each will be if nothing pulls on it [m].
+fn lead_through<const N: usize>(
+    run: &mut thread::State,
+    needle: &needle::State,
+    tissue: &Tissue<N>,
+) -> [Vec3; PUNCTURES] {
+    let mut eyelets = [Vec3::zeros(); PUNCTURES];
+    let sites = RUNS_THROUGH.iter().zip(&mut eyelets).enumerate();
+    for (index, ((site, _), eyelet)) in sites {
+        let Passage::Passed(point) = needle.at(*site) else {
+            break;
+        };
+        if run.course.count == index {
+            run.lead_through(point.place(tissue));
+        }
+        *eyelet = point.predicted(tissue);
+    }
+    eyelets
+}
+
+/// States the thread's pull on its points, condensed, and adds it to the coupling.
 pub(super) fn strain<const N: usize>(
     params: &Params,
     state: &mut State,
@@ -25,13 +54,7 @@ pub(super) fn strain<const N: usize>(
     let tail = params.tail.predicted(tissue);
     let laid = || thread::State::laid(thread, arc.swage(), tail, Vec3::y());
     let run = state.thread.get_or_insert_with(laid);
-    let eyelet = match state.needle.at(Site::D) {
-        Passage::Passed(point) => {
-            run.lead_through();
-            Some(point)
-        }
-        _ => None,
-    };
+    let eyelets = lead_through(run, &state.needle, tissue);
     if state.stage.stage == Stage::Tie && state.stage.ticks == 0 {
         // The knot holds before the needle is cut off.
         run.tie(thread);
@@ -39,7 +62,7 @@ pub(super) fn strain<const N: usize>(
     let ends = Ends {
         swage: Some(arc.swage()).filter(|_| state.stage.stage < Stage::Tie),
         tail: Some(tail),
-        eyelet: eyelet.map(|point| point.predicted(tissue)),
+        eyelets,
         end_stiffness: SURFACE_STIFFNESS,
     };
     let skin = Skin {
@@ -49,9 +72,10 @@ pub(super) fn strain<const N: usize>(
     };
     let condensed = thread::condense(thread, run, &ends, &skin, work);
     coupling.kernels[TAIL] = params.tail.kernel;
-    for (p, a) in [TAIL, D].into_iter().enumerate() {
+    let held = || slots().zip(0..condensed.len);
+    for (a, p) in held() {
         coupling.force[a] += condensed.force[p];
-        for (q, b) in [TAIL, D].into_iter().enumerate() {
+        for (b, q) in held() {
             coupling.stiffness[a][b] += condensed.stiffness[p][q];
         }
     }
@@ -61,14 +85,16 @@ pub(super) fn strain<const N: usize>(
 pub(super) fn relax<const N: usize>(
     params: &Params,
     state: &mut State,
-    moved: [Vec3; 2],
+    moved: &[Vec3; POINTS],
     (lattice, load): (&Lattice<N>, &mut Field<N>),
     work: &mut thread::Work,
 ) -> Pull {
     let (Some(thread), Some(run)) = (&params.thread, &mut state.thread) else {
         return Pull::default();
     };
-    let pull = thread::settle(thread, run, work, moved);
+    let mut ends = [Vec3::zeros(); POINTS];
+    ends.iter_mut().zip(slots()).for_each(|(end, a)| *end = moved[a]);
+    let pull = thread::settle(thread, run, work, &ends);
     if params.lies {
         load.iter_mut()
             .for_each(|c| c.iter_mut().take(lattice.len()).for_each(|f| *f = 0.0));

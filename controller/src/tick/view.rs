@@ -3,7 +3,7 @@
 use super::Controller;
 use crate::math::Vec3;
 use crate::needle::{Arc, Passage};
-use crate::thread::{Pull, Run};
+use crate::thread::Pull;
 use sutura_shared::scene::Site;
 
 impl<const N: usize> Controller<'_, N> {
@@ -29,13 +29,11 @@ impl<const N: usize> Controller<'_, N> {
             .flatten()
     }
 
-    /// Where the thread runs through the tissue: the node on the needle's side, and the place [m].
+    /// Where the thread runs through the tissue, from the needle to the tail: the node on the needle's side, and the place [m].
     pub fn eyelets(&self) -> impl Iterator<Item = (usize, Vec3)> {
         let threads = self.running.iter().filter_map(|(_, state)| state.thread.as_ref());
-        threads.filter_map(|thread| match thread.run {
-            Run::Free => None,
-            Run::Sliding { link } | Run::Tied { link, .. } => Some((link, thread.eyelet?)),
-        })
+        let eyelets = threads.flat_map(|thread| thread.course.through().iter().rev());
+        eyelets.map(|eyelet| (eyelet.link, eyelet.place.point()))
     }
 
     /// The thread's pull in the last tick.

@@ -25,6 +25,8 @@ const THREAD: scene::Thread = scene::Thread {
     mass_kg_per_m: 43e-6,
     damping_per_s: 20.0,
     penalty_n_per_m: 1000.0,
+    friction: 0.0,
+    knot_hold_n: 0.0,
 };
 /// What the controller tells the thread's own iterations of the skin [N/m].
 const END_STIFFNESS: f32 = 300.0;
@@ -78,14 +80,14 @@ fn condensed(slack: f32, ticks: u16) -> Vec<V> {
         let ends = Ends {
             swage: Some(swage(slack, tick)),
             tail: Some(predicted),
-            eyelet: None,
             end_stiffness: END_STIFFNESS,
+            ..Ends::default()
         };
         let condensed = thread::condense(&params, &state, &ends, &Air, &mut work);
         coupling.force[TAIL] = condensed.force[0];
         coupling.stiffness[TAIL][TAIL] = condensed.stiffness[0][0];
         let moved = block.tick(DEFAULT, &coupling, None);
-        let pull = thread::settle(&params, &mut state, &mut work, [moved[TAIL], Vec3::zeros()]);
+        let pull = thread::settle(&params, &mut state, &mut work, &moved);
         pull.on_needle.map(f64::from)
     };
     (1..=ticks).map(&mut tick).collect()

@@ -211,6 +211,10 @@ pub struct Thread {
     pub damping_per_s: Option<Number>,
     /// Penalty stiffness on the skin; effect `thread-contact`.
     pub penalty_n_per_m: Option<Number>,
+    /// Coefficient of friction with the tissue; effect `thread-friction`.
+    pub friction: Option<Number>,
+    /// Difference of tension at which the knot slips; effect `knot`.
+    pub knot_hold_n: Option<Number>,
 }
 
 /// `[output]`

@@ -78,21 +78,16 @@ impl Scene {
             matches!(self.tool, Tool::Needle { .. }),
             "a needle for puncture",
         )?;
-        implies(
-            on(Effect::ShaftFriction),
-            on(Effect::Puncture),
-            "puncture for shaft-friction",
-        )?;
-        implies(
-            on(Effect::SkinTension),
-            on(Effect::Puncture),
-            "puncture for skin-tension",
-        )?;
-        implies(
-            on(Effect::ThreadContact),
-            on(Effect::Thread),
-            "thread for thread-contact",
-        )?;
+        let needs = [
+            (Effect::ShaftFriction, Effect::Puncture, "puncture for shaft-friction"),
+            (Effect::SkinTension, Effect::Puncture, "puncture for skin-tension"),
+            (Effect::ThreadContact, Effect::Thread, "thread for thread-contact"),
+            (Effect::ThreadFriction, Effect::Thread, "thread for thread-friction"),
+            (Effect::Knot, Effect::Thread, "thread for knot"),
+        ];
+        needs
+            .into_iter()
+            .try_for_each(|(effect, needed, expected)| implies(on(effect), on(needed), expected))?;
         let waits = |test: fn(&Until) -> bool| {
             self.hand
                 .iter()
@@ -262,7 +257,9 @@ impl Thread {
             "thread.mass_kg_per_m",
         )?;
         within(self.damping_per_s, &RATE, "thread.damping_per_s")?;
-        within(self.penalty_n_per_m, &STIFFNESS, "thread.penalty_n_per_m")
+        within(self.penalty_n_per_m, &STIFFNESS, "thread.penalty_n_per_m")?;
+        within(self.friction, &(0.0..=10.0, "0 to 10"), "thread.friction")?;
+        within(self.knot_hold_n, &FORCE, "thread.knot_hold_n")
     }
 }
 

@@ -185,6 +185,8 @@ fn thread() -> Thread {
         mass_kg_per_m: 1e-4,
         damping_per_s: 30.0,
         penalty_n_per_m: 500.0,
+        friction: 0.25,
+        knot_hold_n: 18.0,
     }
 }
 

@@ -1,7 +1,9 @@
 //! What must hold to rounding: Eq. 11, the Jacobian, the condensation.
 
+use super::super::chain::{Chain, Forces};
 use super::super::contact::press;
-use super::super::link::{Link, Piece, plain, sliding, tied};
+use super::super::link::{Piece, plain};
+use super::behaviour::{NONE, ONE, TWO, TWO_IN_A_LINK};
 use super::*;
 use crate::math::length;
 
@@ -38,43 +40,27 @@ fn eq_11_from_positions_is_the_tension_of_a_straight_thread() {
     }
 }
 
-/// Forces on a, b, p and their blocks as one 9-vector and one 9 × 9 matrix.
-fn dense(link: &Link) -> ([f32; 9], [[f32; 9]; 9]) {
-    let through = link.through.unwrap_or_default();
-    let (ap, bp) = (through.ap, through.bp);
-    let blocks = [
-        [link.aa, link.ab, ap],
-        [link.ab.transpose(), link.bb, bp],
-        [ap.transpose(), bp.transpose(), through.pp],
-    ];
-    let forces = [link.on_a, link.on_b, through.on_p];
-    let mut matrix = [[0.0; 9]; 9];
-    for (r, row) in matrix.iter_mut().enumerate() {
-        for (c, cell) in row.iter_mut().enumerate() {
-            *cell = blocks[r / 3][c / 3][(r % 3, c % 3)];
-        }
-    }
-    (core::array::from_fn(|i| forces[i / 3][i % 3]), matrix)
+/// A chain's first `n` points as one vector of forces and one matrix.
+fn dense(forces: &Forces, n: usize) -> (Vec<f32>, Vec<Vec<f32>>) {
+    let row = |r: usize| (0..3 * n).map(|c| forces.block(r / 3, c / 3)[(r % 3, c % 3)]).collect();
+    let on = (0..3 * n).map(|r| forces.on[r / 3][r % 3]).collect();
+    (on, (0..3 * n).map(row).collect())
 }
 
 /// Central differences with h = 20 µm: rounding of lengths (0.2 nm · 15 kN/m / 2h) and the third derivative (k h²/6l²) leave
 /// about 1e-5 of k; 1e-4 is allowed.
-fn against_differences(name: &str, k: f32, link: impl Fn(&[Vec3; 3]) -> Link) {
-    let points = [
-        Vec3::new(1.0e-3, 2.5e-3, 2.2e-3),
-        Vec3::new(-1.5e-3, 0.5e-3, -1.8e-3),
-        Vec3::new(0.1e-3, 0.2e-3, 0.3e-3),
-    ];
+fn against_differences(name: &str, k: f32, points: &[Vec3], forces: impl Fn(&[Vec3]) -> Forces) {
     let h = 2e-5;
-    let (_, matrix) = dense(&link(&points));
-    for c in 0..9 {
+    let n = points.len();
+    let (_, matrix) = dense(&forces(points), n);
+    for c in 0..3 * n {
         let moved = |by: f32| {
-            let mut points = points;
+            let mut points = points.to_vec();
             points[c / 3][c % 3] += by;
-            dense(&link(&points)).0
+            dense(&forces(&points), n).0
         };
         let (plus, minus) = (moved(h), moved(-h));
-        for r in 0..9 {
+        for r in 0..3 * n {
             let difference = (minus[r] - plus[r]) / (2.0 * h);
             assert!(
                 (difference - matrix[r][c]).abs() < 1e-4 * k,
@@ -85,29 +71,75 @@ fn against_differences(name: &str, k: f32, link: impl Fn(&[Vec3; 3]) -> Link) {
     }
 }
 
+/// The one link of a thread through these points.
+fn chain(points: &[Vec3]) -> Chain {
+    let mut nodes = [Place::default(); NODES_MAX];
+    let (a, b) = (points[0], points[points.len() - 1]);
+    (nodes[0], nodes[1]) = (Place::new(a), Place::new(b));
+    let mut course = Course::default();
+    for (eyelet, place) in course.eyelets.iter_mut().zip(points[1..points.len() - 1].iter().rev()) {
+        eyelet.place = Place::new(*place);
+        course.count += 1;
+    }
+    Chain::new((&nodes, 2), &course, 0, 0..course.count)
+}
+
 #[test]
 fn the_jacobian_agrees_with_central_differences() {
     let params = params(40, 0.005, &[]);
     let k = params.stiffness();
-    let seen = |points: &[Vec3; 3]| {
-        let [a, b, p] = *points;
-        [Piece::at_eyelet(a - p, Vec3::x()), Piece::at_eyelet(b - p, Vec3::x())]
-    };
-    against_differences("plain", k, |points| plain(&params, points[1] - points[0], 0.0));
-    against_differences("sliding", k, |points| sliding(&params, &seen(points), 0.0));
-    against_differences("tied", k * 2.0, |points| tied(&params, &seen(points), [2.5e-3; 2]));
+    let a = Vec3::new(1.0e-3, 2.5e-3, 2.2e-3);
+    let b = Vec3::new(-1.5e-3, 0.5e-3, -1.8e-3);
+    let (p, q) = (Vec3::new(0.1e-3, 0.2e-3, 0.3e-3), Vec3::new(-2.0e-3, 2.6e-3, -1.2e-3));
+    against_differences("plain", k, &[a, b], |points| {
+        let link = plain(&params, points[1] - points[0], 0.0);
+        let mut forces = Forces::default();
+        (forces.on[0], forces.on[1]) = (link.on_a, -link.on_a);
+        (forces.blocks[0][0], forces.blocks[1][1]) = (link.block, link.block);
+        (forces.blocks[0][1], forces.blocks[1][0]) = (-link.block, -link.block);
+        forces
+    });
+    let longer = super::params(40, 0.008, &[]);
+    let chains = [
+        ("one eyelet", vec![a, p, b], params, None),
+        ("knot", vec![a, p, b], params, Some([2.5e-3; 2])),
+        ("two eyelets", vec![a, p, q, b], longer, None),
+        ("knot and eyelet", vec![a, p, q, b], longer, Some([2.8e-3, 5.2e-3])),
+    ];
+    for (name, points, params, knot) in chains {
+        against_differences(name, 2.0 * k, &points, |points| {
+            let chain = chain(points);
+            chain.forces(&chain.strain(&params, 0.0, knot))
+        });
+    }
     let touch = Touch {
         gap: -1e-3,
         normal: Vec3::new(2.0, 3.0, 6.0) / 7.0,
     };
-    against_differences("ground", 200.0, |points| {
+    against_differences("ground", 200.0, &[a], |points| {
         let (on_a, aa) = press(&touch, 200.0, points[0] * 0.1);
-        Link {
-            on_a,
-            aa: aa * 0.1,
-            ..Link::default()
-        }
+        let mut forces = Forces::default();
+        (forces.on[0], forces.blocks[0][0]) = (on_a, aa * 0.1);
+        forces
     });
+}
+
+/// Eyelets that meet: length and gradient of the piece between them are the antiderivatives of its gradient and its bend, and have no
+/// step where the rounding begins.
+#[test]
+fn the_piece_between_two_eyelets_is_smooth_as_they_meet() {
+    let way = Vec3::new(3.0, 0.0, 4.0) / 5.0;
+    let (inside, outside) = (Piece::between(way * 0.999_99e-4), Piece::between(way * 1.000_01e-4));
+    assert!((outside.length - inside.length).abs() < 1e-8 && length(outside.along - inside.along) < 1e-4);
+    let (d, h) = (Vec3::new(2e-5, 1e-5, 3e-5), 1e-5);
+    for c in 0..3 {
+        let mut step = Vec3::zeros();
+        step[c] = h;
+        let (plus, minus) = (Piece::between(d + step), Piece::between(d - step));
+        let piece = Piece::between(d);
+        assert!(((plus.length - minus.length) / (2.0 * h) - piece.along[c]).abs() < 1e-4);
+        assert!(length((plus.along - minus.along) / (2.0 * h) - piece.bend.column(c)) < 1e-3 * piece.bend.abs().max());
+    }
 }
 
 /// A node within a tenth of a millimetre of the eyelet: the tangent is given, and the piece keeps its Jacobian, also where its
@@ -133,35 +165,30 @@ fn the_jacobian_at_the_eyelet_agrees_with_central_differences() {
 /// The condensed force and stiffness of a taut thread against the Schur complement of the dense double-precision system.
 #[test]
 fn the_condensed_response_is_the_schur_complement() {
-    for through in [None, Some(8)] {
-        let (params, mut tissue, mut thread) = super::behaviour::straight(through);
-        let swage = thread.state.nodes[0].point() + super::behaviour::way(through) * 5e-3;
+    for eyelets in [NONE, ONE, TWO, TWO_IN_A_LINK] {
+        let (params, mut tissue, mut thread) = super::behaviour::straight(eyelets);
+        let swage = thread.state.nodes[0].point() + super::behaviour::way(eyelets) * 5e-3;
         for _ in 0..400 {
             tissue.tick(&params, &mut thread, swage, &Air);
         }
-        let ends = Ends {
-            swage: Some(swage),
-            tail: Some(tissue.at[0]),
-            eyelet: through.map(|_| tissue.at[1]),
-            end_stiffness: 258.0,
-        };
-        let ours = condense(&params, &thread.state, &ends, &Air, &mut thread.work);
+        tissue.velocity.iter_mut().for_each(|v| *v = Vec3::zeros());
+        let ends = tissue.ends(swage);
+        let ours = *condense(&params, &thread.state, &ends, &Air, &mut thread.work);
         let mut dense = super::behaviour::monolith(&params, &thread.state, &tissue);
         dense.tissue_mass = 0.0;
         dense.tissue_stiffness = 0.0;
         let (force, stiffness) = dense.condensed(super::behaviour::wide(swage));
-        let points = if through.is_some() { 6 } else { 3 };
         let scale = stiffness.iter().flatten().fold(0.0_f64, |m, v| m.max(v.abs()));
-        for (r, row) in stiffness.iter().enumerate().take(points) {
+        for (r, row) in stiffness.iter().enumerate() {
             assert!(
                 (f64::from(ours.force[r / 3][r % 3]) - force[r]).abs() < 1e-3,
-                "{through:?} force {r}"
+                "{eyelets:?} force {r}"
             );
-            for (c, exact) in row.iter().enumerate().take(points) {
+            for (c, exact) in row.iter().enumerate() {
                 let block = f64::from(ours.stiffness[r / 3][c / 3][(r % 3, c % 3)]);
                 assert!(
                     (block - exact).abs() < 1e-4 * scale,
-                    "{through:?} {r} {c}: {block} and {exact}"
+                    "{eyelets:?} {r} {c}: {block} and {exact}"
                 );
             }
         }

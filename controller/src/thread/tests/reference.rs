@@ -64,7 +64,7 @@ impl System {
     }
 }
 
-/// Thread nodes 0…n−2, then tail, then eyelet.
+/// Thread nodes 0…n−2, then tail, then eyelets, the first the nearest to the tail.
 #[derive(Clone)]
 pub(super) struct Monolith {
     pub(super) links: usize,
@@ -75,9 +75,9 @@ pub(super) struct Monolith {
     pub(super) coupling: f64,
     pub(super) tissue_mass: f64,
     pub(super) tissue_stiffness: f64,
-    pub(super) tissue_rest: [V; 2],
-    /// The link through the eyelet.
-    pub(super) through: Option<usize>,
+    pub(super) tissue_rest: Vec<V>,
+    /// The links through the eyelets.
+    pub(super) through: Vec<usize>,
     pub(super) x: Vec<V>,
     pub(super) v: Vec<V>,
 }
@@ -97,11 +97,10 @@ impl Monolith {
 
     /// Pairs of points whose distances add to the length of link k.
     fn legs(&self, k: usize) -> Vec<(usize, usize)> {
-        if self.through == Some(k) {
-            vec![(k, self.links + 1), (self.links + 1, k + 1)]
-        } else {
-            vec![(k, k + 1)]
-        }
+        let eyelets = self.through.iter().enumerate().rev().filter(|(_, link)| **link == k);
+        let inner = eyelets.map(|(j, _)| self.links + 1 + j);
+        let points: Vec<usize> = [k].into_iter().chain(inner).chain([k + 1]).collect();
+        points.windows(2).map(|pair| (pair[0], pair[1])).collect()
     }
 
     fn elongation(&self, x: &[V], k: usize) -> f64 {
@@ -169,14 +168,14 @@ impl Monolith {
         system
     }
 
-    /// Force and stiffness at the tissue's two points with every node eliminated, where the points now are.
+    /// Force and stiffness at the tissue's points with every node eliminated, where the points now are.
     pub(super) fn condensed(&self, swage: V) -> (Vec<f64>, Vec<Vec<f64>>) {
         let System { force, hessian } = self.linearise(&self.x, swage);
         let inner = 3 * self.links;
         let block: Vec<Vec<f64>> = hessian[..inner].iter().map(|row| row[..inner].to_vec()).collect();
         let alone = solve(block.clone(), force[..inner].to_vec());
         let dot = |row: &[f64], x: &[f64]| row.iter().zip(x).map(|(a, b)| a * b).sum::<f64>();
-        let outer = inner..inner + 6;
+        let outer = inner..force.len();
         let left = outer
             .clone()
             .map(|r| force[r] - dot(&hessian[r][..inner], &alone))
@@ -220,24 +219,34 @@ impl Monolith {
         (x, left)
     }
 
-    /// One tick. Of the links that could be in the eyelet the one with the least energy is: a frictionless thread slides
-    /// to it. For each the energy is convex, so where the iteration begins has no part in the result; `near` is a place and a
-    /// link from which it converges. Gives the force of the thread on the swage and the largest force left over.
-    pub(super) fn tick(&mut self, swage: V, near: (Option<usize>, Vec<V>)) -> (V, f64) {
+    /// One tick. Of the links that could be in the eyelets those with the least energy are: a frictionless thread slides
+    /// to them. For each choice the energy is convex, so where the iteration begins has no part in the result; `near` is a place and
+    /// links from which it converges. Gives the force of the thread on the swage and the largest force left over.
+    pub(super) fn tick(&mut self, swage: V, near: (Vec<usize>, Vec<V>)) -> (V, f64) {
         let (at, near) = near;
-        let candidates = match self.through {
-            None => vec![None],
-            Some(k) => (k.saturating_sub(1)..=(k + 1).min(self.links - 1)).map(Some).collect(),
-        };
-        let tried = candidates.into_iter().map(|through| {
-            let trial = Self {
-                through,
-                ..self.clone()
+        let mut candidates = vec![Vec::new()];
+        for k in &self.through {
+            let around = k.saturating_sub(1)..=(k + 1).min(self.links - 1);
+            let longer = |old: &Vec<usize>| {
+                around
+                    .clone()
+                    .map(|link| [old.clone(), vec![link]].concat())
+                    .collect::<Vec<_>>()
             };
-            let start = if through == at { near.clone() } else { self.x.clone() };
-            let (x, left) = trial.converge(start, swage);
-            (trial.energy(&x, swage), through, x, left)
-        });
+            candidates = candidates.iter().flat_map(longer).collect();
+        }
+        let tried = candidates
+            .into_iter()
+            .filter(|links| links.is_sorted_by(|a, b| a >= b))
+            .map(|through| {
+                let start = if through == at { near.clone() } else { self.x.clone() };
+                let trial = Self {
+                    through,
+                    ..self.clone()
+                };
+                let (x, left) = trial.converge(start, swage);
+                (trial.energy(&x, swage), trial.through, x, left)
+            });
         let (_, through, x, left) = tried.min_by(|a, b| a.0.total_cmp(&b.0)).unwrap();
         let velocity = |(new, old): (&V, &V)| sub(*new, *old).map(|d| d / 1e-3);
         self.v = x.iter().zip(&self.x).map(velocity).collect();

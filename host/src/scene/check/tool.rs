@@ -210,6 +210,8 @@ impl Keys<'_> {
             mass_kg_per_m: (self.own(&key::MASS, thread.mass_mg_per_m.as_ref())? * 1e-6) as f32,
             damping_per_s: self.own(&key::DAMPING, thread.damping_per_s.as_ref())? as f32,
             penalty_n_per_m: self.own(&key::THREAD_PENALTY, thread.penalty_n_per_m.as_ref())? as f32,
+            friction: self.own(&key::THREAD_FRICTION, thread.friction.as_ref())? as f32,
+            knot_hold_n: self.own(&key::KNOT_HOLD, thread.knot_hold_n.as_ref())? as f32,
         }))
     }
 
