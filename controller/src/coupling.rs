@@ -21,6 +21,8 @@ pub const B: usize = 2;
 pub const C: usize = 3;
 /// Puncture d.
 pub const D: usize = 4;
+/// The first of the punctures of earlier stitches, which only the thread holds.
+pub const SEWN: usize = 5;
 /// Nodes of one kernel: a ball of 3.5 pitches about a lattice point holds 179 of them.
 pub const KERNEL_MAX: usize = 192;
 

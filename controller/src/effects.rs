@@ -8,7 +8,7 @@ pub mod key;
 
 use core::mem::size_of;
 
-use crate::coupling::PUNCTURES;
+use crate::coupling::{D, PUNCTURES};
 use crate::lattice::{CURVES, DIRECTIONS};
 use crate::law::Breaks;
 use crate::math::Vec3;
@@ -180,7 +180,7 @@ pub const TABLE: [Row; 13] = [
         needs: None,
         asks: &["needle"],
         section: Some("stitch"),
-        keys: &[key::BITE, key::F0, key::UNDER],
+        keys: &[key::BITE, key::STITCHES, key::SPACING, key::F0, key::UNDER],
     },
     Row {
         effect: Effect::ShaftFriction,
@@ -198,8 +198,10 @@ pub const TABLE: [Row; 13] = [
         effect: Effect::Thread,
         simulates: "the suture thread, from the needle through site d to site a",
         parts: &[Part::Thread, Part::Deform, Part::Force],
-        state: "places and velocities of its nodes, their elimination, the point that holds its tail",
-        bytes: size_of::<thread::State>() + size_of::<thread::Work>() + size_of::<Point>() - LYING - RUBBING,
+        state: "places and velocities of its nodes, their elimination, the points that hold it in earlier stitches",
+        bytes: size_of::<thread::State>() + size_of::<thread::Work>() + (1 + PUNCTURES - D) * size_of::<Point>()
+            - LYING
+            - RUBBING,
         bytes_per_node: 0,
         needs: Some(Effect::Puncture),
         asks: &[],

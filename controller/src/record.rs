@@ -4,7 +4,7 @@ pub use crate::event::{Fault, Faults, Puncture};
 
 use crate::math::{Pose, Vec3};
 use crate::safety::LimitedForce;
-use sutura_shared::scene::Stage;
+use sutura_shared::scene::{STITCHES_MAX, Stage};
 
 /// What the device says at the start of a tick.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -22,6 +22,8 @@ pub struct Output {
     pub tick: u32,
     /// Where the stitch is.
     pub stage: Stage,
+    /// Number of the stitch, from 1.
+    pub stitch: u8,
     /// What went wrong, if anything; zero force while any bit stands.
     pub faults: Faults,
     /// Force on the hand as the scene says, patch frame [N].
@@ -34,9 +36,9 @@ pub struct Output {
     pub position: Vec3,
     /// The thread's tension by Eq. 11 with c = 1 [N].
     pub thread: f32,
-    /// Width of the wound at the stitch [m]; negative where the rims overlap, 0 without a wound.
-    pub gap: f32,
-    /// Mean width of the wound over its length [m].
+    /// Width of the wound at each stitch [m]; negative where the rims overlap, 0 without a wound or a stitch.
+    pub gap: [f32; STITCHES_MAX],
+    /// Mean width of the wound: between the end stitches, or over its length for one stitch [m].
     pub gap_mean: f32,
     /// Whether the device's limit shortened the force.
     pub saturated: bool,
@@ -51,13 +53,14 @@ impl Output {
         Self {
             tick: 0,
             stage: Stage::Approach,
+            stitch: 1,
             faults: Faults::default(),
             simulated: Vec3::zeros(),
             rendered: LimitedForce::default(),
             torque: Vec3::zeros(),
             position: Vec3::zeros(),
             thread: 0.0,
-            gap: 0.0,
+            gap: [0.0; STITCHES_MAX],
             gap_mean: 0.0,
             saturated: false,
             puncture: None,

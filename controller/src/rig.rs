@@ -139,6 +139,7 @@ const fn what_fits(error: ConfigError) -> &'static str {
         ConfigError::Thread(thread::ConfigError::Link) => "thread.link_m: at least 2 mm",
         ConfigError::Thread(thread::ConfigError::Coefficient(name)) => name,
         ConfigError::Solver(_) => "solver: explicit without a number takes as few as are stable",
+        ConfigError::Stitches => "stitch.count: within the controller's capacity",
         ConfigError::Wound => "wound: at most 1,024 pairs of facing nodes",
         ConfigError::NoSkinAtSite => "stitch: skin where the thread's tail is held",
     }

@@ -8,13 +8,16 @@
 //!   Done ◀─────────────────────────── Tie ◀─────────────── button ───────────────  Tension
 //! ```
 //!
+//! Of several stitches every one but the last ends in Tension, once the hand lets the thread go slack: the next begins at Approach.
+//!
 //! A tool that cannot puncture goes from Indent to Done when it lets go, and back when it touches again; a scene
 //! without a thread is done when the needle is out.
 
 use crate::needle::{self, Passage};
 use sutura_shared::scene::Stage;
 
-/// Tension at which a thread counts as taut [N], and for how long [ticks]: slack thread tugs for a few ticks.
+/// Tension at which a thread counts as taut [N], and for how long it must be taut or slack to be taken for it [ticks]: slack thread tugs for
+/// a few ticks.
 const TAUT: f32 = 0.05;
 const LASTING: u32 = 20;
 /// The time a knot takes [ticks].
@@ -29,6 +32,8 @@ pub struct Signs<'a> {
     pub pierces: bool,
     /// The thread's tension [N]; `None` without a thread.
     pub tension: Option<f32>,
+    /// Stitches after this one.
+    pub ahead: usize,
     /// The stylus button.
     pub button: bool,
 }
@@ -40,8 +45,10 @@ pub struct State {
     pub stage: Stage,
     /// Ticks since it began.
     pub ticks: u32,
-    /// Ticks that the thread has been taut without a break.
-    pub taut: u32,
+    /// Whether the thread is taut.
+    pub taut: bool,
+    /// Ticks of this stage that it has been as it is, without a break.
+    pub lasting: u32,
 }
 
 impl Default for State {
@@ -49,7 +56,8 @@ impl Default for State {
         Self {
             stage: Stage::Approach,
             ticks: 0,
-            taut: 0,
+            taut: false,
+            lasting: 0,
         }
     }
 }
@@ -57,9 +65,13 @@ impl Default for State {
 /// The stage after this tick.
 #[must_use]
 pub fn next(state: State, signs: &Signs<'_>) -> State {
-    let pulls = signs.tension.is_some_and(|tension| tension >= TAUT);
-    let taut = if pulls { state.taut.saturating_add(1) } else { 0 };
-    let state = State { taut, ..state };
+    let taut = signs.tension.is_some_and(|tension| tension >= TAUT);
+    let lasting = if taut == state.taut {
+        state.lasting.saturating_add(1)
+    } else {
+        1
+    };
+    let state = State { taut, lasting, ..state };
     let stage = follow(state, signs);
     if stage == state.stage {
         State {
@@ -70,12 +82,21 @@ pub fn next(state: State, signs: &Signs<'_>) -> State {
         State {
             stage,
             ticks: 0,
-            taut: 0,
+            taut,
+            lasting: 0,
         }
     }
 }
 
-fn follow(State { stage, ticks, taut }: State, signs: &Signs<'_>) -> Stage {
+fn follow(
+    State {
+        stage,
+        ticks,
+        taut,
+        lasting,
+    }: State,
+    signs: &Signs<'_>,
+) -> Stage {
     let [a, _, _, d] = &signs.needle.sites;
     match (stage, a, d) {
         (Stage::Approach, Passage::Touch(_), _) => Stage::Indent,
@@ -87,8 +108,9 @@ fn follow(State { stage, ticks, taut }: State, signs: &Signs<'_>) -> Stage {
         (Stage::Exit, _, d) if d.is_out() => Stage::Drive,
         (Stage::Exit, _, Passage::Passed(_)) if signs.tension.is_none() => Stage::Done,
         (Stage::Exit, _, Passage::Passed(_)) => Stage::PullThrough,
-        (Stage::PullThrough, ..) if taut >= LASTING => Stage::Tension,
-        (Stage::Tension, ..) if signs.button => Stage::Tie,
+        (Stage::PullThrough, ..) if taut && lasting >= LASTING => Stage::Tension,
+        (Stage::Tension, ..) if signs.ahead > 0 && !taut && lasting >= LASTING => Stage::Approach,
+        (Stage::Tension, ..) if signs.ahead == 0 && signs.button => Stage::Tie,
         (Stage::Tie, ..) if ticks >= KNOT => Stage::Done,
         _ => stage,
     }
@@ -143,6 +165,7 @@ mod tests {
                 needle: &needle,
                 pierces: true,
                 tension: Some(tension),
+                ahead: 0,
                 button,
             };
             for _ in 0..=LASTING {
@@ -158,11 +181,41 @@ mod tests {
                     needle: &needle,
                     pierces: true,
                     tension: Some(0.0),
+                    ahead: 0,
                     button: false,
                 },
             );
         }
         assert_eq!(state.stage, Stage::Done);
+    }
+
+    /// A thread that is let go of begins the next stitch, and the knot is the last one's.
+    #[test]
+    fn a_slack_thread_ends_a_stitch_that_is_not_the_last() {
+        let passed = Passage::Passed(Point::default());
+        let needle = sites(passed, passed);
+        let after = |ahead, tension, ticks, button| {
+            let mut state = State {
+                stage: Stage::Tension,
+                ..State::default()
+            };
+            for _ in 0..ticks {
+                let signs = Signs {
+                    needle: &needle,
+                    pierces: true,
+                    tension: Some(tension),
+                    ahead,
+                    button,
+                };
+                state = next(state, &signs);
+            }
+            state.stage
+        };
+        assert_eq!(after(1, 0.0, LASTING - 1, false), Stage::Tension);
+        assert_eq!(after(1, 0.0, LASTING, false), Stage::Approach);
+        assert_eq!(after(0, 0.0, LASTING, false), Stage::Tension);
+        assert_eq!(after(1, 0.5, LASTING, true), Stage::Tension);
+        assert_eq!(after(0, 0.5, LASTING, true), Stage::Tie);
     }
 
     #[test]
@@ -180,6 +233,7 @@ mod tests {
                     needle: &needle,
                     pierces: false,
                     tension: None,
+                    ahead: 0,
                     button: false,
                 },
             );

@@ -6,7 +6,7 @@
 use crate::lattice::{Lattice, Tissue};
 use crate::math::Vec3;
 use core::ops::RangeInclusive;
-use sutura_shared::scene::Wound;
+use sutura_shared::scene::{STITCHES_MAX, Stitch, Wound};
 
 /// Pairs of facing nodes.
 pub const PAIRS_MAX: usize = 1024;
@@ -22,7 +22,7 @@ pub struct Faces {
     rest: f32,
     /// Contact stiffness of a pair [N/m].
     pub penalty: f32,
-    /// Columns along x, rows along y and the row of the stitch.
+    /// Columns along x, rows along y and those of the stitches.
     rims: Rims,
 }
 
@@ -41,16 +41,18 @@ struct Rims {
     rows: [u32; 2],
     /// Lowest layer of the faces.
     floor: u32,
-    /// Row of y = 0 as row and fraction of the next.
-    stitch: (u32, f32),
+    /// The stitches' rows, each as row and fraction of the next.
+    stitches: [Option<(u32, f32)>; STITCHES_MAX],
+    /// First and last row of the mean.
+    mean: [u32; 2],
 }
 
 /// Width between the upper rims [m], negative where they overlap.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Gap {
-    /// At the stitch.
-    pub at_stitch: f32,
-    /// Mean over the wound's rows.
+    /// At each stitch; zero where there is none.
+    pub at_stitches: [f32; STITCHES_MAX],
+    /// Mean over the rows between the end stitches, or over the wound's for one stitch.
     pub mean: f32,
 }
 
@@ -58,12 +60,16 @@ pub struct Gap {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct TooManyPairs;
 
-/// The faces of a wound in a lattice.
+/// The faces of a wound in a lattice, and where `stitch` crosses it; at y = 0 without one.
 ///
 /// # Errors
 ///
 /// [`TooManyPairs`].
-pub fn faces<const N: usize>(wound: &Wound, lattice: &Lattice<N>) -> Result<Faces, TooManyPairs> {
+pub fn faces<const N: usize>(
+    wound: &Wound,
+    stitch: Option<&Stitch>,
+    lattice: &Lattice<N>,
+) -> Result<Faces, TooManyPairs> {
     let [left, right] = wound.faces.map(u32::from);
     let [first, last] = wound.rows.map(u32::from);
     let exists = |index: usize| lattice.mass.get(index).is_some_and(|m| *m > 0.0);
@@ -76,7 +82,19 @@ pub fn faces<const N: usize>(wound: &Wound, lattice: &Lattice<N>) -> Result<Face
             }
         }
     }
-    let row = (-lattice.origin.get(1).copied().unwrap_or(0.0) / lattice.pitch).max(0.0);
+    let (count, rows_m) = stitch.map_or((1, [0.0; STITCHES_MAX]), |stitch| {
+        (usize::from(stitch.count), stitch.rows_m())
+    });
+    let [_, begin, _] = lattice.origin;
+    let mut stitches = [None; STITCHES_MAX];
+    for (stitch, y) in stitches.iter_mut().zip(rows_m).take(count) {
+        let row = ((y - begin) / lattice.pitch).max(0.0);
+        *stitch = Some((row as u32, row - (row as u32) as f32));
+    }
+    let mean = match (stitches.first(), stitches.get(count.saturating_sub(1))) {
+        (Some(Some((low, part))), Some(Some((high, _)))) if count > 1 => [low + u32::from(*part > 0.0), *high],
+        _ => [first, last],
+    };
     Ok(Faces {
         left: pairs,
         across: (right - left) as usize,
@@ -86,7 +104,8 @@ pub fn faces<const N: usize>(wound: &Wound, lattice: &Lattice<N>) -> Result<Face
             columns: [left, right],
             rows: [first, last],
             floor: u32::from(wound.floor),
-            stitch: (row as u32, row - (row as u32) as f32),
+            stitches,
+            mean,
         },
     })
 }
@@ -171,18 +190,20 @@ impl Faces {
 pub fn gap<const N: usize>(faces: &Faces, lattice: &Lattice<N>, tissue: &Tissue<N>) -> Gap {
     let Rims {
         columns: [left, right],
-        rows: [first, last],
-        stitch,
+        stitches,
+        mean: [first, last],
         ..
     } = faces.rims;
     let place = |i, j| lattice.top(i, j).map(|node| lattice.place(tissue, node).x);
     let at = |j| Some(place(right, j)? - place(left, j)?);
-    let (row, part) = stitch;
-    let here = at(row).unwrap_or(faces.rest);
-    let next = at(row + 1).unwrap_or(here);
-    let rows = (last - first + 1) as f32;
+    let between = |(row, part): (u32, f32)| {
+        let here = at(row).unwrap_or(faces.rest);
+        let next = at(row + 1).unwrap_or(here);
+        here * (1.0 - part) + next * part
+    };
+    let rows = (last.saturating_sub(first) + 1) as f32;
     Gap {
-        at_stitch: here * (1.0 - part) + next * part,
+        at_stitches: stitches.map(|stitch| stitch.map_or(0.0, between)),
         mean: (first..=last).map(|j| at(j).unwrap_or(faces.rest)).sum::<f32>() / rows,
     }
 }

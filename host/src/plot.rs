@@ -189,18 +189,20 @@ mod tests {
         let tick = |tick: u32| Telemetry {
             tick,
             stage: if tick < 500 { Stage::Approach } else { Stage::Indent },
+            stitch: 1,
             faults: 0,
             position_m: [0.0; 3],
             simulated_n: [0.0, 0.0, (tick as f32 * 1e-3).powi(2)],
             rendered_n: [0.0, 0.5 * (tick as f32 * 1e-3).powi(2), 0.0],
             torque_n_m: [0.0; 3],
             thread_n: 0.1,
-            gap_m: 0.004,
+            gap_m: [0.004, 0.0, 0.0],
             gap_mean_m: 0.004,
             saturated: false,
         };
         let puncture = PunctureEvent {
             site: sutura_shared::scene::Site::A,
+            stitch: 1,
             tick: 900,
             force_n: 0.81,
             f0_n: 0.8,

@@ -101,10 +101,10 @@ const OPEN: f32 = 0.25;
 
 /// Says where a stitch has not closed its wound.
 fn left_open(report: &Report) {
-    for Change { before, after } in &report.wound_gap_mm.at_stitch {
+    for (stitch, Change { before, after }) in (1..).zip(&report.wound_gap_mm.at_stitch) {
         if *after > OPEN * before {
             tracing::warn!(
-                "the wound is not closed: {after:.2} of {before:.2} mm are left at the stitch; a higher operator.sew.tension_n or a \
+                "the wound is not closed: {after:.2} of {before:.2} mm are left at stitch {stitch}; a higher operator.sew.tension_n or a \
                  wider stitch.bite_mm closes it further"
             );
         }
@@ -131,7 +131,7 @@ fn report(request: &Request, built: &build::Built, session: Session) -> Report {
         ran,
         ..
     } = session;
-    let gap = built.scene.wound.and(log.gap());
+    let wounded = built.scene.wound.is_some();
     let faults = Faults(log.faults());
     Report {
         voxels: built.counts.voxels,
@@ -156,8 +156,8 @@ fn report(request: &Request, built: &build::Built, session: Session) -> Report {
         stages: log.stages(),
         punctures: log.punctures(),
         wound_gap_mm: WoundGap {
-            at_stitch: gap.iter().map(|[at_stitch, _]| *at_stitch).collect(),
-            mean: gap.map(|[_, mean]| mean),
+            at_stitch: if wounded { log.gaps() } else { Vec::new() },
+            mean: log.mean_gap().filter(|_| wounded),
         },
         force_n: log.peaks(),
         saturated_ticks: log.saturated(),
@@ -282,13 +282,14 @@ mod tests {
             ticks: vec![Telemetry {
                 tick: TICKS_MAX,
                 stage,
+                stitch: 1,
                 faults,
                 position_m: [0.0; 3],
                 simulated_n: [0.0; 3],
                 rendered_n: [0.0; 3],
                 torque_n_m: [0.0; 3],
                 thread_n: 0.0,
-                gap_m: 0.0,
+                gap_m: [0.0; 3],
                 gap_mean_m: 0.0,
                 saturated: false,
             }],

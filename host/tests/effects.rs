@@ -54,6 +54,7 @@ fn stitch(size_mm: [u32; 3]) -> (Scene, Vec<u8>) {
         hand.start = to;
     }
     hand.steps.remove(0);
+    scene.thread.as_mut().unwrap().friction = 0.2;
     // So many ticks tell as much of a solve with fewer iterations.
     scene.solver = Solver::BePcg {
         iterations: 3,
@@ -125,6 +126,8 @@ fn an_effect_that_is_off_costs_ten_instructions_a_tick_at_most() {
         Effect::WoundContact,
         Effect::Passivity,
         Effect::SkinTension,
+        Effect::ThreadFriction,
+        Effect::Knot,
     ];
     for (scene, cells) in SIZES.map(stitch) {
         for effect in effects {
@@ -243,6 +246,8 @@ fn the_study_ends_with_json_and_its_files() {
             "thread-contact",
             "wound-contact",
             "skin-tension",
+            "thread-friction",
+            "knot",
         ];
         let name = row["effect"].as_str().unwrap();
         // A ball cannot puncture, and there is no wound: said instead of measured. The barrier is off, but can be added.

@@ -47,7 +47,7 @@ fn what_a_formula_refuses_is_listed_as_refused() {
 fn unknown_names_are_refused_in_one_line_that_lists_what_there_is() {
     let folder = tempfile::tempdir().unwrap();
     for (arguments, what) in [
-        (["--case", "earthquake"], "tremor:60-s"),
+        (["--case", "earthquake"], "tool-teleported"),
         (["--solver", "leapfrog"], "be-chebyshev[:iterations]"),
     ] {
         let output = study(folder.path(), &arguments);

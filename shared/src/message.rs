@@ -7,7 +7,7 @@
 use crate::check::{Invalid, Validate, finite, require};
 use crate::hash::Fnv1a;
 use crate::limits::{CELLS_MAX, CHUNK_MAX, DETAIL_MAX, SCENE_MAX};
-use crate::scene::{Site, Stage};
+use crate::scene::{STITCHES_MAX, Site, Stage};
 use heapless::String;
 use serde::{Deserialize, Serialize};
 
@@ -200,6 +200,8 @@ pub struct Telemetry {
     pub tick: u32,
     /// Where the stitch is.
     pub stage: Stage,
+    /// Number of the stitch, from 1.
+    pub stitch: u8,
     /// What went wrong, as bits.
     pub faults: u32,
     /// Grasp point of the tool, patch frame [m].
@@ -212,9 +214,9 @@ pub struct Telemetry {
     pub torque_n_m: [f32; 3],
     /// Tension of the thread [N].
     pub thread_n: f32,
-    /// Width of the wound at the stitch [m]; negative where the rims overlap.
-    pub gap_m: f32,
-    /// Mean width of the wound [m].
+    /// Width of the wound at each stitch [m]; negative where the rims overlap, zero where there is no stitch.
+    pub gap_m: [f32; STITCHES_MAX],
+    /// Mean width of the wound: between the end stitches, or over its length for one stitch [m].
     pub gap_mean_m: f32,
     /// Whether the device's limit shortened the force.
     pub saturated: bool,
@@ -225,6 +227,8 @@ pub struct Telemetry {
 pub struct PunctureEvent {
     /// Where.
     pub site: Site,
+    /// Number of the stitch, from 1.
+    pub stitch: u8,
     /// When.
     pub tick: u32,
     /// Force along the needle at which the skin gave way [N].
@@ -300,7 +304,8 @@ impl Validate for Telemetry {
         finite(&self.rendered_n, "telemetry.rendered_n")?;
         finite(&self.torque_n_m, "telemetry.torque_n_m")?;
         finite(&[self.thread_n], "telemetry.thread_n")?;
-        finite(&[self.gap_m, self.gap_mean_m], "telemetry.gap_m")
+        finite(&self.gap_m, "telemetry.gap_m")?;
+        finite(&[self.gap_mean_m], "telemetry.gap_mean_m")
     }
 }
 

@@ -21,6 +21,8 @@ pub use solver::{NoSolver, Solver};
 pub const TISSUES_MAX: usize = 4;
 /// Radius of the tip's kernel over the pitch: from what spreads a tip over more than one node to what a controller's kernel holds.
 pub const KERNEL_PITCHES: [f32; 2] = [1.5, 3.5];
+/// Most stitches that one thread sews.
+pub const STITCHES_MAX: usize = 3;
 /// Most segments of a stress–strain curve.
 pub const SEGMENTS_MAX: usize = 5;
 
@@ -135,11 +137,15 @@ pub struct Contact {
     pub kernel_m: f32,
 }
 
-/// The punctures of one stitch.
+/// The stitches and their punctures.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Stitch {
-    /// Where the thread's tail is held: site a, x and y in the patch frame [m].
+    /// Where the thread's tail is held: site a of the first stitch, x and y in the patch frame [m].
     pub a_m: [f32; 2],
+    /// How many stitches the thread sews, up to [`STITCHES_MAX`], each further along y than the one before.
+    pub count: u8,
+    /// From one stitch to the next along y [m].
+    pub spacing_m: f32,
     /// Puncture force F0 by [`Site`] [N] (Lian & Chen Fig. 8).
     pub f0_n: [f32; 4],
     /// Distance from a surface at which the tip, coming from inside the tissue, begins to lift it [m].
@@ -226,6 +232,15 @@ pub struct Pose {
     pub position_m: [f32; 3],
     /// Unit quaternion w, x, y, z.
     pub quaternion: [f32; 4],
+}
+
+impl Stitch {
+    /// Where the stitches cross the wound, y in the patch frame [m]; only the first [`Self::count`] have a meaning.
+    #[must_use]
+    pub fn rows_m(&self) -> [f32; STITCHES_MAX] {
+        let [_, first] = self.a_m;
+        core::array::from_fn(|stitch| first + stitch as f32 * self.spacing_m)
+    }
 }
 
 /// A puncture site (Lian & Chen Fig. 10), in the order in which the needle passes them from left to right. A needle that goes under the

@@ -193,13 +193,17 @@ fn floats_must_be_finite() {
         let good = samples::telemetry(Stage::Drive);
         let puncture = PunctureEvent {
             site: Site::A,
+            stitch: 1,
             tick: 1,
             force_n: bad,
             f0_n: 1.0,
             depth_m: 0.0,
         };
         for message in [
-            ToHost::Telemetry(Telemetry { gap_m: bad, ..good }),
+            ToHost::Telemetry(Telemetry {
+                gap_m: [0.0, bad, 0.0],
+                ..good
+            }),
             ToHost::Telemetry(Telemetry { thread_n: bad, ..good }),
             ToHost::Telemetry(Telemetry {
                 gap_mean_m: bad,

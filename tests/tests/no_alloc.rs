@@ -83,13 +83,14 @@ fn messages_cross_the_wire_without_allocating() {
     let sent = ToHost::Telemetry(Telemetry {
         tick: 1,
         stage: Stage::Drive,
+        stitch: 1,
         faults: 0,
         position_m: [0.1, 0.2, 0.3],
         simulated_n: [0.4, 0.5, 0.6],
         rendered_n: [0.7, 0.8, 0.9],
         torque_n_m: [0.0; 3],
         thread_n: 1.0,
-        gap_m: 1.1,
+        gap_m: [1.1; 3],
         gap_mean_m: 1.2,
         saturated: true,
     });

@@ -1,7 +1,7 @@
 //! The keys of all effects. Defaults are those of the built-in scene: a 3-0 nylon thread, a stitch with an SH needle through skin.
 
 use crate::effects::Key;
-use sutura_shared::scene::Effect;
+use sutura_shared::scene::{Effect, STITCHES_MAX};
 
 /// Strains between the slopes of a stress–strain curve; none for a curve of one slope.
 pub const BREAKS: Key = key(Effect::Stiffening, "tissue.breaks_percent", "%", [0.1, 500.0], &[]);
@@ -15,6 +15,10 @@ pub const SPRING_DAMPING: Key = key(
 );
 /// From the wound's edge to a puncture; what the needle reaches and the patch holds narrows it.
 pub const BITE: Key = key(Effect::Puncture, "stitch.bite_mm", "mm", [0.5, 500.0], &[4.0]);
+/// How many stitches the thread sews, one if none are named; more than one need effect `thread`.
+pub const STITCHES: Key = key(Effect::Puncture, "stitch.stitches", "", [1.0, STITCHES_MAX as f64], &[]);
+/// From one stitch to the next along the wound; several stitches need it.
+pub const SPACING: Key = key(Effect::Puncture, "stitch.spacing_mm", "mm", [1.0, 100.0], &[]);
 /// Puncture force by site. a: reverse-cutting PS-2 on abdominal skin (Maloney); d: 0.7 of it, the second of the two peaks that Frick 2001
 /// found. b and c are our choice: what lies under the skin gives way at a third of that, with the same ratio of exit to entry.
 pub const F0: Key = key(
@@ -40,7 +44,7 @@ pub const FRICTION: Key = key(
 pub const CUTTING: Key = key(Effect::ShaftFriction, "stitch.cutting_n", "N", [0.0, 5.0], &[0.2]);
 /// Length of the thread; two links at least, and no more than the controller holds.
 pub const LENGTH: Key = key(Effect::Thread, "thread.length_mm", "mm", [4.0, 5100.0], &[115.0]);
-/// Length of one link; an eyelet has room for one node at a time.
+/// Length of one link.
 pub const LINK: Key = key(Effect::Thread, "thread.link_mm", "mm", [2.0, 20.0], &[5.0]);
 /// Axial stiffness EA.
 pub const AXIAL: Key = key(Effect::Thread, "thread.axial_n", "N", [0.1, 1000.0], &[76.0]);

@@ -270,12 +270,13 @@ pub(super) fn telemetry(output: &Output) -> Telemetry {
     Telemetry {
         tick: output.tick,
         stage: output.stage,
+        stitch: output.stitch,
         position_m: <[f32; 3]>::from(output.position).map(&mut finite),
         simulated_n: <[f32; 3]>::from(output.simulated).map(&mut finite),
         rendered_n: <[f32; 3]>::from(output.rendered.get()).map(&mut finite),
         torque_n_m: <[f32; 3]>::from(output.torque).map(&mut finite),
         thread_n: finite(output.thread),
-        gap_m: finite(output.gap),
+        gap_m: output.gap.map(&mut finite),
         gap_mean_m: finite(output.gap_mean),
         saturated: output.saturated,
         faults: faults.0,
@@ -285,6 +286,7 @@ pub(super) fn telemetry(output: &Output) -> Telemetry {
 fn puncture(output: &Output) -> Option<PunctureEvent> {
     output.puncture.map(|puncture| PunctureEvent {
         site: puncture.site,
+        stitch: output.stitch,
         tick: output.tick,
         force_n: puncture.force,
         f0_n: puncture.f0,

@@ -185,12 +185,8 @@ impl Front {
         crossing.columns = [Mat3::zeros(); PUNCTURES];
         crossing.seen = [Mat3::zeros(); PUNCTURES];
         let reached = eyelets.start..reduced.len - 1;
-        let answers = crossing
-            .columns
-            .iter_mut()
-            .zip(&mut crossing.seen)
-            .zip(&columns)
-            .enumerate();
+        let answers = crossing.columns.iter_mut().zip(&mut crossing.seen);
+        let answers = answers.zip(&columns).enumerate();
         for (j, ((answer, seen), column)) in answers.skip(reached.start).take(reached.len()) {
             *answer = factor.solve_columns(column);
             let own = if eyelets.contains(&j) { eyelets.end - j } else { CORNERS };

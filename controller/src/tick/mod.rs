@@ -18,11 +18,12 @@ use crate::needle::{self, Arc, Passage};
 use crate::record::{Output, Sample};
 use crate::safety::{self, Gate};
 use crate::solver::{self, Choice, Problem, Solver, Work};
-use crate::stage::{self, Signs};
+use crate::stage;
 use crate::thread::{self, Pull};
 use crate::tissue;
 use bytemuck::Zeroable;
 use params::Params;
+use sewing::Sewn;
 use sutura_shared::scene::Scene;
 
 /// Everything that grows with the lattice. All zeros is a valid empty one.
@@ -45,6 +46,7 @@ struct State {
     tick: u32,
     stage: stage::State,
     needle: needle::State,
+    sewn: Sewn,
     thread: Option<thread::State>,
     safety: safety::State,
     faults: Faults,
@@ -163,18 +165,19 @@ impl<'m, const N: usize> Controller<'m, N> {
         let edge = limit(params, state, simulated, sample);
 
         // output
-        state.stage = stage::next(state.stage, &signs(params, state, sample));
+        sewing::advance(params, state, sample);
         let gap = params.gap(lattice, tissue);
         Output {
             tick: state.tick,
             stage: state.stage.stage,
+            stitch: state.sewn.stitches as u8 + 1,
             faults: state.faults,
             simulated,
             rendered: edge.force,
             torque: grip.torque,
             position: pose.position,
             thread: state.pull.tension,
-            gap: gap.at_stitch,
+            gap: gap.at_stitches,
             gap_mean: gap.mean,
             saturated: edge.saturated,
             puncture: grip.puncture,
@@ -198,6 +201,9 @@ impl<'m, const N: usize> Controller<'m, N> {
             }
         }
         hasher.vector(Vec3::new(tissue.balance.caution, 0.0, 0.0));
+        for point in &state.sewn.points {
+            hasher.vector(point.rest);
+        }
         for site in &state.needle.sites {
             if let Some(point) = site.point() {
                 hasher.vector(point.rest);
@@ -257,14 +263,4 @@ fn limit(params: &Params, state: &mut State, simulated: Vec3, sample: &Sample) -
     let edge = safety::limit(&params.safety, &mut state.safety, &inputs);
     state.faults = edge.faults;
     edge
-}
-
-/// What the stage is read off.
-fn signs<'a>(params: &Params, state: &'a State, sample: &Sample) -> Signs<'a> {
-    Signs {
-        needle: &state.needle,
-        pierces: params.needle.f0.is_some(),
-        tension: params.thread.as_ref().map(|_| state.pull.tension),
-        button: sample.button,
-    }
 }

@@ -1,6 +1,6 @@
 //! From a scene to coefficients: the only step that can fail.
 
-use crate::coupling::Coupling;
+use crate::coupling::{Coupling, PUNCTURES};
 use crate::lanes::Level;
 use crate::lattice::{Lattice, Tissue};
 use crate::law::Material;
@@ -12,7 +12,7 @@ use crate::surface::{self, Bridge};
 use crate::thread;
 use crate::tissue;
 use crate::wound::{self, Faces, Gap};
-use sutura_shared::scene::{Effect, Scene};
+use sutura_shared::scene::{Effect, Scene, Site};
 
 /// Why a scene cannot run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -27,6 +27,8 @@ pub enum ConfigError {
     NoSkinAtSite,
     /// The wound has more facing nodes than [`wound::PAIRS_MAX`] pairs.
     Wound,
+    /// More stitches than this controller has points for.
+    Stitches,
 }
 
 impl From<tissue::Error> for ConfigError {
@@ -62,6 +64,8 @@ pub(super) struct Params {
     pub(super) thread: Option<thread::Params>,
     /// Where the thread's tail is held.
     pub(super) tail: Point,
+    /// How many stitches there are.
+    pub(super) stitches: usize,
     /// The wound as the thread crosses it.
     pub(super) bridge: Option<Bridge>,
     /// The thread lies on the skin.
@@ -120,6 +124,10 @@ impl Params {
             Some(thread) => Some(thread::build(thread, scene.contact.coupling_n_per_m, scene.effects)?),
             None => None,
         };
+        let stitches = scene.stitch.map_or(1, |stitch| usize::from(stitch.count));
+        if stitches * Site::ALL.len() > PUNCTURES {
+            return Err(ConfigError::Stitches);
+        }
         let mut tail = Point::default();
         if let (Some(_), Some(stitch)) = (&thread, &scene.stitch) {
             let [x, y] = stitch.a_m;
@@ -134,13 +142,14 @@ impl Params {
             needle,
             thread,
             tail,
+            stitches,
             bridge: scene.wound.as_ref().map(|wound| Bridge {
                 columns: wound.faces.map(u32::from),
                 rows: wound.rows.map(u32::from),
             }),
             lies: scene.effects.has(Effect::ThreadContact),
             faces: match &scene.wound {
-                Some(wound) => Some(wound::faces(wound, lattice)?),
+                Some(wound) => Some(wound::faces(wound, scene.stitch.as_ref(), lattice)?),
                 None => None,
             },
             meet: scene.effects.has(Effect::WoundContact),

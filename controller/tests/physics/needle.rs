@@ -82,7 +82,7 @@ impl Drive {
         let cell = |n: usize| if missing(n) { 0 } else { tissue(n) };
         let cells: Vec<u8> = (0..scene.lattice.count()).map(cell).collect();
         let block = Block::new(&scene, &cells);
-        let faces = wound::faces(scene.wound.as_ref().unwrap(), &block.lattice).unwrap();
+        let faces = wound::faces(scene.wound.as_ref().unwrap(), None, &block.lattice).unwrap();
         Self::of(&scene, block, Some(faces))
     }
 
@@ -153,6 +153,8 @@ fn skin(effects: &[Effect]) -> Scene {
     };
     scene.contact.kernel_m = 1.5 * PITCH;
     scene.stitch = Some(Stitch {
+        count: 1,
+        spacing_m: 0.0,
         a_m: [-RADIUS, 0.0],
         f0_n: F0,
         under_m: 2e-3,

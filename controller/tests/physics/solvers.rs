@@ -27,7 +27,7 @@ fn torn(level: Level) -> (Block, Faces) {
     let cells: Vec<u8> = (0..scene.lattice.count()).map(|n| u8::from(!missing(n))).collect();
     let mut block = Block::new(&scene, &cells);
     block.level = level;
-    let faces = wound::faces(scene.wound.as_ref().unwrap(), &block.lattice).unwrap();
+    let faces = wound::faces(scene.wound.as_ref().unwrap(), None, &block.lattice).unwrap();
     let mut random = Random::new(3);
     for (n, [i, ..]) in block.nodes() {
         if block.lattice.free[n] > 0.0 {

@@ -36,7 +36,7 @@ fn cut() -> (Block, Faces) {
     let missing = |n: usize| n % nx == usize::from(GAP) && (1..3).contains(&(n / nx % ny)) && n / nx / ny >= 2;
     let cells: Vec<u8> = (0..scene.lattice.count()).map(|n| u8::from(!missing(n))).collect();
     let block = Block::new(&scene, &cells);
-    let faces = wound::faces(scene.wound.as_ref().unwrap(), &block.lattice).unwrap();
+    let faces = wound::faces(scene.wound.as_ref().unwrap(), None, &block.lattice).unwrap();
     (block, faces)
 }
 

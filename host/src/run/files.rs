@@ -75,7 +75,7 @@ fn force(file: &mut BufWriter<std::fs::File>, log: &Log) -> io::Result<()> {
     for tick in &log.ticks {
         let [x, y, z] = tick.position_m;
         let (simulated, rendered) = (length(tick.simulated_n), length(tick.rendered_n));
-        let (stage, thread, gap) = (tick.stage.name(), tick.thread_n, tick.gap_m * 1e3);
+        let (stage, thread, gap) = (tick.stage.name(), tick.thread_n, tick.gap_m[0] * 1e3);
         writeln!(
             file,
             "{},{stage},{x},{y},{z},{simulated},{rendered},{thread},{gap}",
@@ -86,19 +86,25 @@ fn force(file: &mut BufWriter<std::fs::File>, log: &Log) -> io::Result<()> {
 }
 
 fn motion(file: &mut BufWriter<std::fs::File>, log: &Log) -> io::Result<()> {
-    writeln!(file, "tick,qw,qx,qy,qz,side_n,stitch_n,stitch_m")?;
+    write!(file, "tick,qw,qx,qy,qz,side_n,stitch_n,stitch_m,stitch")?;
+    for stitch in 2..=log.stitches {
+        write!(file, ",gap_{stitch}_mm")?;
+    }
+    writeln!(file)?;
     for (tick, motion) in log.ticks.iter().zip(&log.motion) {
         let [w, x, y, z] = motion.quaternion;
-        let (
-            tick,
-            Motion {
-                side_n,
-                stitch_n,
-                stitch_m,
-                ..
-            },
-        ) = (tick.tick, motion);
-        writeln!(file, "{tick},{w},{x},{y},{z},{side_n},{stitch_n},{stitch_m}")?;
+        let Motion {
+            side_n,
+            stitch_n,
+            stitch_m,
+            ..
+        } = motion;
+        let (number, stitch) = (tick.tick, tick.stitch);
+        write!(file, "{number},{w},{x},{y},{z},{side_n},{stitch_n},{stitch_m},{stitch}")?;
+        for gap_m in tick.gap_m.iter().take(log.stitches).skip(1) {
+            write!(file, ",{}", gap_m * 1e3)?;
+        }
+        writeln!(file)?;
     }
     Ok(())
 }

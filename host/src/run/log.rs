@@ -7,10 +7,10 @@ use sutura_shared::scene::Stage;
 use super::watch::Motion;
 
 impl Log {
-    /// Runs of ticks with one stage, in order; all belong to the one stitch of a run.
+    /// Runs of ticks with one stage of one stitch, in order.
     #[must_use]
     pub fn stages(&self) -> Vec<StageSpan> {
-        let same = |a: &Telemetry, b: &Telemetry| a.stage == b.stage;
+        let same = |a: &Telemetry, b: &Telemetry| (a.stage, a.stitch) == (b.stage, b.stitch);
         self.ticks.chunk_by(same).filter_map(StageSpan::of).collect()
     }
 
@@ -19,7 +19,7 @@ impl Log {
     pub fn punctures(&self) -> Vec<Puncture> {
         let report = |event: &PunctureEvent| Puncture {
             site: event.site.name(),
-            stitch: 1,
+            stitch: event.stitch.into(),
             tick: event.tick,
             force_n: event.force_n,
             f0_n: event.f0_n,
@@ -28,15 +28,24 @@ impl Log {
         self.punctures.iter().map(report).collect()
     }
 
-    /// Gap before the first and after the last tick, at the stitch and in the mean over the wound's length.
+    /// Gap before the first and after the last tick, at each stitch.
     #[must_use]
-    pub fn gap(&self) -> Option<[Change; 2]> {
-        let (first, last) = (self.ticks.first()?, self.ticks.last()?);
-        let change = |of: fn(&Telemetry) -> f32| Change {
-            before: of(first) * 1e3,
-            after: of(last) * 1e3,
-        };
-        Some([change(|tick| tick.gap_m), change(|tick| tick.gap_mean_m)])
+    pub fn gaps(&self) -> Vec<Change> {
+        let at = |stitch: usize| self.change(|tick| tick.gap_m[stitch]);
+        (0..self.stitches).filter_map(at).collect()
+    }
+
+    /// Mean gap before the first and after the last tick.
+    #[must_use]
+    pub fn mean_gap(&self) -> Option<Change> {
+        self.change(|tick| tick.gap_mean_m)
+    }
+
+    fn change(&self, of: impl Fn(&Telemetry) -> f32) -> Option<Change> {
+        Some(Change {
+            before: of(self.ticks.first()?) * 1e3,
+            after: of(self.ticks.last()?) * 1e3,
+        })
     }
 
     /// Largest simulated and largest rendered force.
@@ -68,7 +77,7 @@ impl StageSpan {
         Some(Self {
             stage: first.stage,
             name: first.stage.name(),
-            stitch: 1,
+            stitch: first.stitch.into(),
             from_tick: first.tick,
             to_tick: last.tick,
             peak_n: largest(forces()),
@@ -91,6 +100,8 @@ fn largest(values: impl Iterator<Item = f32>) -> f32 {
 /// All that the controller told and showed.
 #[derive(Clone, Debug, Default)]
 pub struct Log {
+    /// Stitches of the scene.
+    pub stitches: usize,
     /// One record a tick.
     pub ticks: Vec<Telemetry>,
     /// How tool and thread moved, one record a tick.
@@ -109,7 +120,7 @@ pub struct StageSpan {
     pub stage: Stage,
     /// Its name.
     pub name: &'static str,
-    /// Number of the stitch: 1.
+    /// Number of the stitch, from 1.
     pub stitch: u32,
     /// First tick.
     pub from_tick: u32,
@@ -128,7 +139,7 @@ pub struct StageSpan {
 pub struct Puncture {
     /// Where.
     pub site: &'static str,
-    /// Number of the stitch: 1.
+    /// Number of the stitch, from 1.
     pub stitch: u32,
     /// When.
     pub tick: u32,
@@ -166,13 +177,14 @@ mod tests {
         Telemetry {
             tick,
             stage,
+            stitch: 1,
             faults: 0,
             position_m: [0.0; 3],
             simulated_n: [0.6 * force, 0.0, 0.8 * force],
             rendered_n: [0.0, force / 2.0, 0.0],
             torque_n_m: [0.0; 3],
             thread_n: 0.1 * force,
-            gap_m: 0.004 - 0.001 * tick as f32,
+            gap_m: [0.004 - 0.001 * tick as f32, 0.0, 0.0],
             gap_mean_m: 0.004,
             saturated: tick == 2,
         }
@@ -188,6 +200,7 @@ mod tests {
         ];
         let log = Log {
             ticks,
+            stitches: 1,
             ..Log::default()
         };
         let stages = log.stages();
@@ -201,7 +214,8 @@ mod tests {
         assert!((stages[1].peak_n - 3.0).abs() < 1e-6 && (stages[1].mean_n - 2.0).abs() < 1e-6);
         assert!((stages[1].thread_peak_n - 0.3).abs() < 1e-6);
         assert!((log.peaks().peak_rendered - 1.5).abs() < 1e-6);
-        let [stitch, _] = log.gap().unwrap();
+        let gaps = log.gaps();
+        let [stitch] = gaps.as_slice() else { panic!("{gaps:?}") };
         assert!((stitch.before - 3.0).abs() < 1e-5 && stitch.after.abs() < 1e-5);
         assert_eq!(log.saturated(), 1);
     }

@@ -32,6 +32,7 @@ impl Display for Report {
         for puncture in &self.punctures {
             let Puncture {
                 site,
+                stitch,
                 force_n,
                 f0_n,
                 depth_mm,
@@ -39,7 +40,7 @@ impl Display for Report {
             } = puncture;
             writeln!(
                 f,
-                "puncture {site}: {force_n:.3} N (F0 {f0_n:.3} N) after {depth_mm:.2} mm"
+                "puncture {site}, stitch {stitch}: {force_n:.3} N (F0 {f0_n:.3} N) after {depth_mm:.2} mm"
             )?;
         }
         self.gaps(f)?;
@@ -68,11 +69,15 @@ impl Display for Report {
 impl Report {
     /// Times and forces of the stages.
     fn stages(&self, f: &mut Formatter<'_>) -> fmt::Result {
-        writeln!(f, "stage            from s      to s    peak N    mean N  thread N")?;
+        writeln!(
+            f,
+            "stitch stage            from s      to s    peak N    mean N  thread N"
+        )?;
         for stage in &self.stages {
             let [from, to] = [stage.from_tick - 1, stage.to_tick].map(|tick| f64::from(tick) * 1e-3);
             let StageSpan {
                 name,
+                stitch,
                 peak_n,
                 mean_n,
                 thread_peak_n,
@@ -80,7 +85,7 @@ impl Report {
             } = stage;
             writeln!(
                 f,
-                "{name:<13}{from:>10.3}{to:>10.3}{peak_n:>10.3}{mean_n:>10.3}{thread_peak_n:>10.3}"
+                "{stitch:>6} {name:<13}{from:>10.3}{to:>10.3}{peak_n:>10.3}{mean_n:>10.3}{thread_peak_n:>10.3}"
             )?;
         }
         Ok(())
@@ -88,14 +93,15 @@ impl Report {
 
     /// The wound before and after.
     fn gaps(&self, f: &mut Formatter<'_>) -> fmt::Result {
-        for Change { before, after } in &self.wound_gap_mm.at_stitch {
-            writeln!(f, "gap at the stitch: {before:.2} mm before, {after:.2} mm after")?;
+        for (stitch, Change { before, after }) in (1..).zip(&self.wound_gap_mm.at_stitch) {
+            writeln!(f, "gap at stitch {stitch}: {before:.2} mm before, {after:.2} mm after")?;
         }
         if let Some(Change { before, after }) = &self.wound_gap_mm.mean {
-            writeln!(
-                f,
-                "gap over the wound's length: {before:.2} mm before, {after:.2} mm after"
-            )?;
+            let over = match self.wound_gap_mm.at_stitch.len() {
+                0 | 1 => "over the wound's length",
+                _ => "between the end stitches",
+            };
+            writeln!(f, "gap {over}: {before:.2} mm before, {after:.2} mm after")?;
         }
         Ok(())
     }

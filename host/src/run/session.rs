@@ -39,7 +39,11 @@ pub(super) fn listen(
     let Embedded { line, seen, thread } = embedded::start(pace, request.level, every).map_err(Error::Thread)?;
     let mut link = Link::connect(line)?;
     link.upload(&built.scene, &built.cells)?;
-    let (mut log, mut filed) = (Log::default(), Ok(()));
+    let mut log = Log {
+        stitches: built.scene.stitch.map_or(1, |stitch| stitch.count.into()),
+        ..Log::default()
+    };
+    let mut filed = Ok(());
     let mut done_for = 0;
     let last_tick = request
         .seconds

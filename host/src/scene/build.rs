@@ -31,10 +31,11 @@ pub fn build(plan: &Plan, nodes_max: usize) -> Result<Built, Error> {
     let meshes = meshes(plan, &mut warnings)?;
     let patch = cut(plan, &meshes, nodes_max)?;
     warnings.extend(patch.warnings.iter().map(ToString::to_string));
-    let place = place(plan, &patch)?;
-    let hand = plan.operator.hand(plan.hand, &place);
-    reach::check(plan, &place)?;
-    let half = place.half_m as f32;
+    let places = rows_mm(plan)
+        .map(|y_mm| place(plan, &patch, y_mm))
+        .collect::<Result<Vec<_>, _>>()?;
+    let hand = plan.operator.hand(plan.hand, &places);
+    reach::check(plan, &places)?;
     let scene = Scene {
         effects: plan.effects,
         solver: match plan.solver {
@@ -55,7 +56,9 @@ pub fn build(plan: &Plan, nodes_max: usize) -> Result<Built, Error> {
         tool: plan.tool,
         contact: plan.contact,
         stitch: plan.stitch.map(|stitch| scene::Stitch {
-            a_m: [-half, 0.0],
+            a_m: [-half_mm(plan), first_row_mm(plan)].map(|mm| (mm * 1e-3) as f32),
+            count: stitch.stitches,
+            spacing_m: (stitch.spacing_mm * 1e-3) as f32,
             f0_n: stitch.f0_n,
             under_m: stitch.under_m,
             friction_n_per_m: stitch.friction_n_per_m,
@@ -199,10 +202,25 @@ fn half_mm(plan: &Plan) -> f64 {
     plan.stitch.map_or(0.0, |stitch| gap / 2.0 + stitch.bite_mm)
 }
 
-/// Where the hand works.
-fn place(plan: &Plan, patch: &Patch) -> Result<Place, Error> {
+/// Where the first stitch crosses the wound [mm]: all together they lie about its middle.
+fn first_row_mm(plan: &Plan) -> f64 {
+    plan.stitch
+        .map_or(0.0, |stitch| -0.5 * f64::from(stitch.stitches - 1) * stitch.spacing_mm)
+}
+
+/// Where the stitches cross the wound, in their order [mm].
+fn rows_mm(plan: &Plan) -> impl Iterator<Item = f64> {
+    let (stitches, spacing) = plan
+        .stitch
+        .map_or((1, 0.0), |stitch| (stitch.stitches, stitch.spacing_mm));
+    let first = first_row_mm(plan);
+    (0..stitches).map(move |stitch| first + f64::from(stitch) * spacing)
+}
+
+/// Where the hand works on a row.
+fn place(plan: &Plan, patch: &Patch, y_mm: f64) -> Result<Place, Error> {
     let half = half_mm(plan);
-    let skin = |x_mm: f64| skin(plan, patch, x_mm).map(|z_mm| z_mm * 1e-3);
+    let skin = |x_mm: f64| skin(plan, patch, [x_mm, y_mm]).map(|z_mm| z_mm * 1e-3);
     let (radius_m, ahead_m) = match plan.tool {
         Tool::Needle {
             radius_m,
@@ -215,6 +233,7 @@ fn place(plan: &Plan, patch: &Patch) -> Result<Place, Error> {
         .thread
         .map_or(0.0, |thread| thread.link_m * f32::from(thread.nodes - 1));
     Ok(Place {
+        y_m: y_mm * 1e-3,
         skin_m: [skin(-half)?, skin(half)?],
         half_m: half * 1e-3,
         radius_m: radius_m.into(),
@@ -223,13 +242,13 @@ fn place(plan: &Plan, patch: &Patch) -> Result<Place, Error> {
     })
 }
 
-/// Height of the skin at (x, 0) [mm], where there is enough soft tissue for the tool.
-fn skin(plan: &Plan, patch: &Patch, x_mm: f64) -> Result<f64, Error> {
+/// Height of the skin at (x, y) [mm], where there is enough soft tissue for the tool.
+fn skin(plan: &Plan, patch: &Patch, [x_mm, y_mm]: [f64; 2]) -> Result<f64, Error> {
     let grid = &patch.grid;
     let [nx, ny, nz] = grid.cells;
     let pitch = grid.pitch;
     let along = |at: f64, origin: f64, cells: usize| (((at - origin) / pitch) as usize).min(cells.saturating_sub(1));
-    let (i, j) = (along(x_mm, grid.origin.x, nx), along(0.0, grid.origin.y, ny));
+    let (i, j) = (along(x_mm, grid.origin.x, nx), along(y_mm, grid.origin.y, ny));
     let soft = |k: usize| {
         let tissue = usize::from(patch.cells[grid.index([i, j, k])])
             .checked_sub(1)
@@ -238,12 +257,13 @@ fn skin(plan: &Plan, patch: &Patch, x_mm: f64) -> Result<f64, Error> {
     };
     let empty = |k: &usize| patch.cells[grid.index([i, j, *k])] == 0;
     let mut column = (0..nz).rev().skip_while(empty).peekable();
-    let top = column.peek().copied().ok_or(Error::NoSkin { x_mm })?;
+    let top = column.peek().copied().ok_or(Error::NoSkin { x_mm, y_mm })?;
     let found_mm = column.take_while(|&k| soft(k)).count() as f64 * pitch;
     let needed_mm = reach_mm(plan) + SPARE * pitch;
     if found_mm < needed_mm {
         return Err(Error::Shallow {
             x_mm,
+            y_mm,
             found_mm,
             needed_mm,
             flatter: flatter(plan, found_mm - SPARE * pitch),
@@ -310,19 +330,23 @@ pub enum Error {
     Reach(#[from] reach::Error),
     /// A puncture site, or the place to touch, outside of the tissue.
     #[error(
-        "no tissue at x = {x_mm} mm, y = 0 of the patch, where the tool is to meet the skin: move patch.site_mm or make stitch.bite_mm smaller"
+        "no tissue at x = {x_mm} mm, y = {y_mm} mm of the patch, where the tool is to meet the skin: move patch.site_mm or make stitch.bite_mm smaller"
     )]
     NoSkin {
         /// Where [mm].
         x_mm: f64,
+        /// Where along the wound [mm].
+        y_mm: f64,
     },
     /// Bone or nothing too near under a puncture site.
     #[error(
-        "only {found_mm} mm of soft tissue at x = {x_mm} mm, y = 0 of the patch, {needed_mm:.1} mm are needed: move patch.site_mm away from bone{flatter}"
+        "only {found_mm} mm of soft tissue at x = {x_mm} mm, y = {y_mm} mm of the patch, {needed_mm:.1} mm are needed: move patch.site_mm away from bone{flatter}"
     )]
     Shallow {
         /// Where [mm].
         x_mm: f64,
+        /// Where along the wound [mm].
+        y_mm: f64,
         /// What there is [mm].
         found_mm: f64,
         /// What there should be [mm].

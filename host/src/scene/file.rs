@@ -183,6 +183,10 @@ pub struct Contact {
 pub struct Stitch {
     /// From the wound's edge to a puncture.
     pub bite_mm: Option<Number>,
+    /// How many stitches the thread sews.
+    pub stitches: Option<Number>,
+    /// From one stitch to the next along the wound.
+    pub spacing_mm: Option<Number>,
     /// Puncture force at the sites a to d.
     pub f0_n: Option<[Number; 4]>,
     /// Distance from a surface at which the tip, coming from inside, begins to lift it.

@@ -1,17 +1,15 @@
-//! What the simulated hand does: from speeds to the script of one stitch, or of a push with a ball tip.
+//! What the simulated hand does: from speeds to the script of a row of stitches, or of a push with a ball tip.
 //!
-//! Patch frame: x across the wound from left to right, y along it, z outward. The needle's arc lies in its xy-plane, its centre is o, and the
-//! grasp is o + R x̂, where the driver holds it: the tip is as far ahead as the arc between them. Sewing from left to
-//! right the needle's ẑ is −ŷ of the patch, and ψ, the angle of the grasp from x towards z, grows as the needle advances:
-//! grasp(ψ) = o + R (cos ψ, 0, sin ψ). The nominal circle passes both punctures: o is √(R² − d²) above their middle, d half their distance.
-//! A person may hold the needle off that circle at the entry, and turn it about another point than o: `Led`.
+//! Patch frame: x across the wound from left to right, y along it, z outward.
+
+mod circle;
 
 use std::f64::consts::PI;
 
-use nalgebra::{Isometry3, Matrix3, Rotation3, Translation3, UnitQuaternion, Vector3};
+use nalgebra::{Isometry3, Translation3, Vector3};
 use sutura_shared::scene::{Hand, Motion, Pose, STEPS_MAX, Site, Stage, Step, Tremor, Until};
 
-use super::needle::Needle;
+use self::circle::Led;
 use super::plan;
 use super::skill::Manner;
 
@@ -35,12 +33,12 @@ const TIGHTEN: f64 = 0.020;
 const LOOSE: f64 = 0.015;
 
 impl Operator {
-    /// The hand and its script for one place.
+    /// The hand and its script, for one place a stitch.
     #[must_use]
-    pub fn hand(&self, hand: plan::Hand, place: &Place) -> Hand {
+    pub fn hand(&self, hand: plan::Hand, places: &[Place]) -> Hand {
         let (start, steps) = match self {
-            Self::Sew(sew) => sew.script(place),
-            Self::Touch(touch) => touch.script(place),
+            Self::Sew(sew) => sew.script(places),
+            Self::Touch(touch) => touch.script(places),
         };
         Hand {
             mass_kg: hand.mass_kg,
@@ -61,20 +59,40 @@ impl Operator {
 }
 
 impl Sew {
-    /// Start pose and steps of one stitch.
-    fn script(&self, place: &Place) -> (Isometry3<f64>, Steps) {
-        let Manner { pace, pull, .. } = self.manner;
-        let led = Led::by(&self.manner, place);
-        let short = shifted(&led.entry, -SHORT * led.tangent);
-        let start = shifted(&short, Vector3::z() * START.max(HANGING * place.thread_m));
+    /// Start pose and steps of one stitch after the other.
+    fn script(&self, places: &[Place]) -> (Isometry3<f64>, Steps) {
+        let mut steps = Steps::new();
+        let mut begin = None;
+        for (stitch, place) in places.iter().enumerate() {
+            let led = Led::by(&self.manner, place);
+            let short = shifted(&led.entry, -SHORT * led.tangent);
+            let start = shifted(&short, Vector3::z() * START.max(HANGING * place.thread_m));
+            if begin.is_some() {
+                // From where the thread was drawn to.
+                let (way, speed) = (HANGING * place.thread_m, self.approach_m_per_s * self.manner.pace);
+                steps.extend([step(Motion::Line { to: record(&start) }, way / speed, Until::Elapsed)]);
+            }
+            begin.get_or_insert(start);
+            steps.extend(self.drive(&led, [&start, &short], place));
+            let last = stitch + 1 == places.len();
+            match &self.draw {
+                Some(draw) => steps.extend(draw.by(&self.manner).script((&led.turned(TURN), stitch, last), places)),
+                None => steps.extend([step(Motion::Hold, 1.0, Until::Elapsed)]),
+            }
+        }
+        (begin.unwrap_or_default(), steps)
+    }
+
+    /// Steps from above the entry to the needle's exit.
+    fn drive(&self, led: &Led, [start, short]: [&Isometry3<f64>; 2], place: &Place) -> [Step; 6] {
+        let pace = self.manner.pace;
         let driven = led.turned(BEYOND / place.radius_m);
-        let out = led.turned(TURN);
         let turn = |speed: f64, until| step(led.turn(TURN), TURN / (speed * pace), until);
-        let mut steps: Steps = [
-            line(&start, &short, self.approach_m_per_s * pace, Until::Elapsed),
+        [
+            line(start, short, self.approach_m_per_s * pace, Until::Elapsed),
             steady(
-                &short,
-                &shifted(&short, led.tangent * PUSH),
+                short,
+                &shifted(short, led.tangent * PUSH),
                 self.insert_m_per_s * pace,
                 Until::Punctured(Site::A),
             ),
@@ -83,19 +101,12 @@ impl Sew {
             turn(self.exit_rad_per_s, Until::Punctured(Site::D)),
             turn(self.drive_rad_per_s, Until::Stage(Stage::PullThrough)),
         ]
-        .into_iter()
-        .collect();
-        match &self.draw {
-            Some(draw) => steps.extend(draw.by(pace, pull).script(&out, place)),
-            None => steps.extend([step(Motion::Hold, 1.0, Until::Elapsed)]),
-        }
-        (start, steps)
     }
 }
 
 impl Draw {
-    /// The same at another pace and with another pull, each over its own.
-    fn by(&self, pace: f64, pull: f64) -> Self {
+    /// The same as a person draws, whose pace and pull are over these.
+    fn by(&self, &Manner { pace, pull, .. }: &Manner) -> Self {
         Self {
             pull_m_per_s: self.pull_m_per_s * pace,
             tighten_m_per_s: self.tighten_m_per_s * pace,
@@ -103,38 +114,57 @@ impl Draw {
         }
     }
 
-    /// Steps from the needle's exit, at `out`, to the knot.
-    fn script(&self, out: &Isometry3<f64>, place: &Place) -> [Step; 6] {
-        // The thread goes taut at about its own length from the exit, less the way between the punctures.
+    /// Steps from the needle's exit, at `out`, until the thread of `stitch` is tight; after the `last` one to the knot.
+    fn script(&self, (out, stitch, last): (&Isometry3<f64>, usize, bool), places: &[Place]) -> Vec<Step> {
+        let Some(place) = places.get(stitch) else {
+            return Vec::new();
+        };
+        // The thread goes taut at about its own length from the exit, less the way through all punctures so far.
         let away = Vector3::new(-0.6, 0.0, 0.8);
-        let exit = Vector3::new(place.half_m, 0.0, place.skin_m[1]);
+        let exit = Vector3::new(place.half_m, place.y_m, place.skin_m[1]);
+        let used = 2.0 * place.half_m * (stitch + 1) as f64 + across(places.get(..=stitch).unwrap_or_default());
         let at = |beyond: f64| {
-            let way = place.thread_m - 2.0 * place.half_m + beyond;
+            let way = (place.thread_m - used).max(0.0) + beyond;
             Isometry3::from_parts(Translation3::from(exit + away * way), out.rotation)
         };
         let (taut, loose) = (at(0.0), at(-LOOSE));
-        [
+        let mut steps = vec![
             steady(out, &at(BEYOND_TAUT), self.pull_m_per_s, Until::Stage(Stage::Tension)),
             steady(
                 &taut,
-                &at(BEYOND_TAUT + TIGHTEN),
+                // Every stitch that closes gives thread back.
+                &at(BEYOND_TAUT + TIGHTEN * (stitch + 1) as f64),
                 self.tighten_m_per_s,
                 Until::Tension(self.tension_n as f32),
             ),
             step(Motion::Hold, 0.4, Until::Elapsed),
-            Step {
-                button: true,
-                ..step(Motion::Hold, 0.3, Until::Elapsed)
-            },
-            step(Motion::Line { to: record(&loose) }, 0.6, Until::Elapsed),
-            step(Motion::Hold, 1.0, Until::Elapsed),
-        ]
+        ];
+        if last {
+            steps.extend([
+                Step {
+                    button: true,
+                    ..step(Motion::Hold, 0.3, Until::Elapsed)
+                },
+                step(Motion::Line { to: record(&loose) }, 0.6, Until::Elapsed),
+                step(Motion::Hold, 1.0, Until::Elapsed),
+            ]);
+        }
+        steps
     }
+}
+
+/// Way of the thread over the skin, from each exit to the next entry [m].
+fn across(places: &[Place]) -> f64 {
+    let from_to = places.iter().zip(places.iter().skip(1));
+    from_to
+        .map(|(from, to)| (from.half_m + to.half_m).hypot(to.y_m - from.y_m))
+        .sum()
 }
 
 impl Touch {
     /// Start pose and steps of push, drag and release.
-    fn script(&self, place: &Place) -> (Isometry3<f64>, Steps) {
+    fn script(&self, places: &[Place]) -> (Isometry3<f64>, Steps) {
+        let place = places.first().copied().unwrap_or_default();
         let at = |x: f64, z: f64| Isometry3::translation(x, 0.0, place.skin_m[0] + place.radius_m + z);
         let (start, above) = (at(0.0, START), at(0.0, SHORT));
         let (pushed, dragged) = (at(0.0, -self.push_m), at(self.drag_m, -self.push_m));
@@ -169,109 +199,6 @@ pub fn patch_from_device(hand: &Hand) -> Pose {
         position_m: std::array::from_fn(|i| (low[i] + high[i]) / 2.0),
         quaternion: [half, half, 0.0, 0.0],
     }
-}
-
-/// The needle's nominal circle.
-struct Circle {
-    centre: Vector3<f64>,
-    radius: f64,
-    /// From the grasp to the tip [rad].
-    tip: f64,
-    /// Half the distance of the punctures [m].
-    half: f64,
-}
-
-impl Circle {
-    /// The circle for bites that are longer than the place's by so much; the exit no further from the entry than the needle can.
-    fn through(place: &Place, longer_m: [f64; 2]) -> Self {
-        let needle = Needle {
-            radius_mm: place.radius_m * 1e3,
-            ahead_mm: place.ahead_m * 1e3,
-        };
-        let widest = place.half_m.max(needle.widest_mm() * 1e-3);
-        let [entry, exit] = longer_m.map(|longer| place.half_m + longer);
-        let half = f64::midpoint(entry, exit).min(widest);
-        let height = (place.radius_m * place.radius_m - half * half).max(0.0).sqrt();
-        let skin = (place.skin_m[0] + place.skin_m[1]) / 2.0;
-        Self {
-            centre: Vector3::new(half - entry, 0.0, skin + height),
-            radius: place.radius_m,
-            tip: place.ahead_m / place.radius_m,
-            half,
-        }
-    }
-
-    /// Angle of puncture a from x towards z.
-    fn a(&self) -> f64 {
-        PI + (self.half / self.radius).acos()
-    }
-
-    fn with_tip_at_a(&self) -> f64 {
-        self.a() - self.tip
-    }
-
-    fn tangent_at_a(&self) -> Vector3<f64> {
-        direction(self.a() + PI / 2.0)
-    }
-
-    /// Pose of the needle with its grasp at `angle`.
-    fn grasp(&self, angle: f64) -> Isometry3<f64> {
-        let axes = Matrix3::from_columns(&[direction(angle), direction(angle + PI / 2.0), -Vector3::y()]);
-        let rotation = UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(axes));
-        Isometry3::from_parts(
-            Translation3::from(self.centre + self.radius * direction(angle)),
-            rotation,
-        )
-    }
-}
-
-/// The needle as a hand leads it: its tip at the entry, and from there about a centre.
-struct Led {
-    /// With the tip at the entry.
-    entry: Isometry3<f64>,
-    /// Direction of the tip there.
-    tangent: Vector3<f64>,
-    /// What it is turned about.
-    centre: Vector3<f64>,
-}
-
-impl Led {
-    fn by(manner: &Manner, place: &Place) -> Self {
-        let circle = Circle::through(place, manner.bites_m);
-        let [x, z] = manner.centre_m;
-        let flatter = about(
-            circle.centre + circle.radius * direction(circle.a()),
-            manner.flatter_rad,
-        );
-        Self {
-            entry: flatter * circle.grasp(circle.with_tip_at_a()),
-            tangent: flatter * circle.tangent_at_a(),
-            centre: circle.centre + Vector3::new(x, 0.0, z),
-        }
-    }
-
-    /// Turned by `angle` from the entry.
-    fn turned(&self, angle: f64) -> Isometry3<f64> {
-        about(self.centre, angle) * self.entry
-    }
-
-    fn turn(&self, angle: f64) -> Motion {
-        Motion::Turn {
-            centre_m: single(self.centre),
-            axis: [0.0, -1.0, 0.0],
-            angle_rad: angle as f32,
-        }
-    }
-}
-
-/// A turn about a point in the needle's plane, from x towards z.
-fn about(point: Vector3<f64>, angle: f64) -> Isometry3<f64> {
-    let turn = Translation3::from(point) * UnitQuaternion::from_axis_angle(&-Vector3::y_axis(), angle);
-    turn * Translation3::from(-point)
-}
-
-fn direction(angle: f64) -> Vector3<f64> {
-    Vector3::new(angle.cos(), 0.0, angle.sin())
 }
 
 fn shifted(pose: &Isometry3<f64>, by: Vector3<f64>) -> Isometry3<f64> {
@@ -320,8 +247,10 @@ fn single(v: Vector3<f64>) -> [f32; 3] {
 type Steps = heapless::Vec<Step, STEPS_MAX>;
 
 /// Where the hand works, in the patch frame.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Place {
+    /// Where along the wound [m].
+    pub y_m: f64,
     /// Height of the skin at the punctures a and d, or twice at the middle [m].
     pub skin_m: [f64; 2],
     /// Half the distance of the punctures [m].
@@ -401,76 +330,13 @@ mod tests {
         manner: Manner::SCRIPT,
     };
     const PLACE: Place = Place {
+        y_m: 0.0,
         skin_m: [0.0; 2],
         half_m: 0.006,
         radius_m: 0.026 / PI,
         ahead_m: 2.0 / 3.0 * 0.026,
         thread_m: 0.115,
     };
-
-    /// The tip of a needle held at `pose`, from the arc's definition alone.
-    fn tip(pose: &Isometry3<f64>) -> Vector3<f64> {
-        let angle = PLACE.ahead_m / PLACE.radius_m;
-        let arm = Vector3::new(angle.cos() - 1.0, angle.sin(), 0.0) * PLACE.radius_m;
-        pose.translation.vector + pose.rotation * arm
-    }
-
-    #[test]
-    fn the_nominal_circle_takes_the_tip_from_site_to_site() {
-        let circle = Circle::through(&PLACE, [0.0; 2]);
-        let entry = circle.with_tip_at_a();
-        assert!((tip(&circle.grasp(entry)) - Vector3::new(-0.006, 0.0, 0.0)).norm() < 1e-12);
-        // Both sites lie on the circle, so the tip is at the right one after the chord's angle 2·asin(d/R).
-        let chord = 2.0 * (PLACE.half_m / PLACE.radius_m).asin();
-        assert!((tip(&circle.grasp(entry + chord)) - Vector3::new(0.006, 0.0, 0.0)).norm() < 1e-12);
-        // It goes down on the left: below the skin on the way.
-        assert!(tip(&circle.grasp(entry + chord / 2.0)).z < -0.002);
-    }
-
-    #[test]
-    fn turning_about_the_scripts_axis_advances_the_needle() {
-        let circle = Circle::through(&PLACE, [0.0; 2]);
-        let led = Led::by(&Manner::SCRIPT, &PLACE);
-        let Motion::Turn { centre_m, axis, .. } = led.turn(TURN) else {
-            panic!("a turn")
-        };
-        let on = circle.grasp(circle.with_tip_at_a() + 0.7);
-        assert!((led.turned(0.7).to_homogeneous() - on.to_homogeneous()).abs().max() < 1e-12);
-        let rotation = Rotation3::new(Vector3::from(axis).map(f64::from) * 0.3);
-        let turned = circle.centre + rotation * (circle.grasp(1.0).translation.vector - circle.centre);
-        assert!((turned - circle.grasp(1.3).translation.vector).norm() < 1e-8);
-        assert!((Vector3::from(centre_m).map(f64::from) - circle.centre).norm() < 1e-8);
-    }
-
-    /// A person's tip begins at the entry of that person's bite and, turned about the circle's own centre, comes out at the exit, however the needle
-    /// is held; it is held flatter by as much as it should be.
-    #[test]
-    fn a_person_goes_from_bite_to_bite() {
-        let manner = Manner {
-            flatter_rad: 0.2,
-            bites_m: [-0.5e-3, -1.0e-3],
-            ..Manner::SCRIPT
-        };
-        let led = Led::by(&manner, &PLACE);
-        assert!((tip(&led.entry) - Vector3::new(-0.0055, 0.0, 0.0)).norm() < 1e-12);
-        // Half their distance is 5.25 mm: the chord's angle is 2·asin(5.25/R), the tangent as far below the skin as half of it, less the tilt.
-        let half = (0.005_25 / PLACE.radius_m).asin();
-        assert!((tip(&led.turned(2.0 * half)) - Vector3::new(0.005, 0.0, 0.0)).norm() < 1e-12);
-        assert!((led.tangent.z.asin() + half - 0.2).abs() < 1e-12);
-        // Off by 1 mm and 2 mm, the centre of the turn is where it is asked to be: above the middle of both bites.
-        let off = Led::by(
-            &Manner {
-                centre_m: [1e-3, 2e-3],
-                ..manner
-            },
-            &PLACE,
-        );
-        let above = PLACE.radius_m * half.cos();
-        assert!((off.centre - Vector3::new(-0.000_25 + 1e-3, 0.0, above + 2e-3)).norm() < 1e-12);
-        // A needle that is held at a third bridges 2 · 6.304 mm and no more.
-        let wide = Circle::through(&PLACE, [1e-3; 2]);
-        assert!((wide.half - 6.304e-3).abs() < 1e-6, "{}", wide.half);
-    }
 
     #[test]
     fn the_device_reaches_every_place_of_the_script() {
@@ -481,7 +347,7 @@ mod tests {
                 damping_n_s_per_m: 8.0,
                 stiffness_n_per_m: 400.0,
             },
-            &PLACE,
+            &[PLACE],
         );
         let origin = patch_from_device(&hand).position_m;
         for step in &hand.steps {

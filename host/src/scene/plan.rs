@@ -96,6 +96,10 @@ pub struct Wound {
 pub struct Stitch {
     /// From the wound's edge to a puncture [mm].
     pub bite_mm: f64,
+    /// How many stitches the thread sews.
+    pub stitches: u8,
+    /// From one stitch to the next along the wound [mm]; 0 for one.
+    pub spacing_mm: f64,
     /// Puncture force by site [N].
     pub f0_n: [f32; 4],
     /// Distance from a surface at which the tip, coming from inside, begins to lift it [m].

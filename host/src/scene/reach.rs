@@ -15,21 +15,22 @@ const PLACES: u16 = 32;
 ///
 /// # Errors
 /// Which key to change, and to what where that is known.
-pub fn check(plan: &Plan, place: &Place) -> Result<(), Error> {
-    let reaches = |place: &Place| reaches(&plan.operator.hand(plan.hand, place));
-    if reaches(place) {
+pub fn check(plan: &Plan, places: &[Place]) -> Result<(), Error> {
+    let reaches = |places: &[Place]| reaches(&plan.operator.hand(plan.hand, places));
+    if reaches(places) {
         return Ok(());
     }
     let link_m = plan.thread.map_or(0.0, |thread| f64::from(thread.link_m));
-    let shorter = |links: u16| Place {
-        thread_m: f64::from(links) * link_m,
-        ..*place
+    let shorter = |links: u16| {
+        let thread_m = f64::from(links) * link_m;
+        let with = |place: &Place| Place { thread_m, ..*place };
+        places.iter().map(with).collect::<Vec<_>>()
     };
     let links = plan.thread.map_or(0, |thread| thread.nodes - 1);
-    match (1..links).rev().map(shorter).find(reaches) {
+    match (1..links).rev().find(|links| reaches(&shorter(*links))) {
         Some(fits) => Err(Error::Thread {
-            length_mm: place.thread_m * 1e3,
-            most_mm: (fits.thread_m * 1e3 + 1e-3).floor(),
+            length_mm: f64::from(links) * link_m * 1e3,
+            most_mm: (f64::from(fits) * link_m * 1e3 + 1e-3).floor(),
         }),
         None => Err(Error::Tool {
             section: match plan.operator {

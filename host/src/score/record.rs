@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 use serde::Deserialize;
 use serde::de::DeserializeOwned;
-use sutura_shared::scene::Stage;
+use sutura_shared::scene::{STITCHES_MAX, Stage};
 
 use super::Error;
 use crate::run::files::{FORCE, MOTION, PUNCTURES, SCENE};
@@ -38,8 +38,8 @@ pub(super) struct Tick {
     pub(super) tension: [f64; 2],
     /// Thread between the punctures [m].
     pub(super) stitch_m: f64,
-    /// Width of the wound at the stitch [mm].
-    pub(super) gap_mm: f64,
+    /// Width of the wound at each stitch [mm]; of no meaning beyond the scene's last.
+    pub(super) gap_mm: [f64; STITCHES_MAX],
 }
 
 /// A line of punctures.csv.
@@ -84,6 +84,10 @@ struct MotionLine {
     side_n: f64,
     stitch_n: f64,
     stitch_m: f64,
+    #[serde(default)]
+    gap_2_mm: f64,
+    #[serde(default)]
+    gap_3_mm: f64,
 }
 
 /// Reads a run's folder.
@@ -134,12 +138,13 @@ fn joined(force: &ForceLine, motion: &MotionLine) -> Result<Tick, String> {
         side: motion.side_n,
         tension: [force.thread_n, motion.stitch_n],
         stitch_m: motion.stitch_m,
-        gap_mm: force.gap_mm,
+        gap_mm: [force.gap_mm, motion.gap_2_mm, motion.gap_3_mm],
     };
-    let scalars = [tick.force, tick.side, tick.stitch_m, tick.gap_mm];
+    let scalars = [tick.force, tick.side, tick.stitch_m];
     let numbers = scalars
         .iter()
         .chain(&tick.tension)
+        .chain(&tick.gap_mm)
         .chain(&tick.position)
         .chain(&tick.turn.coords);
     if numbers.copied().all(f64::is_finite) {

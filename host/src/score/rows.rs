@@ -20,10 +20,18 @@ pub(super) fn rows(recording: &Recording) -> Vec<Row> {
     let plan = &recording.plan;
     let has = |effect| plan.effects.has(effect);
     let mut rows = Vec::new();
-    if let (Tool::Needle { radius_m, length_m, .. }, true) = (plan.tool, has(Effect::Puncture)) {
+    if let (
+        Tool::Needle {
+            radius_m,
+            length_m,
+            grasp_m,
+        },
+        true,
+    ) = (plan.tool, has(Effect::Puncture))
+    {
         let needle = Needle {
             radius: radius_m.into(),
-            length: length_m.into(),
+            ahead: (length_m - grasp_m).into(),
         };
         for stitch in 1..=stitches(recording) {
             let mut one = Stitch::of(recording, stitch).rows(recording, &needle);
@@ -50,13 +58,14 @@ pub(super) fn rows(recording: &Recording) -> Vec<Row> {
 /// A needle's arc.
 struct Needle {
     radius: f64,
-    length: f64,
+    /// Arc length from the grasp to the tip.
+    ahead: f64,
 }
 
 impl Needle {
     /// The tip and its direction.
     fn tip(&self, tick: &Tick) -> (Vector3<f64>, Vector3<f64>) {
-        let (sin, cos) = (self.length * 2.0 / 3.0 / self.radius).sin_cos();
+        let (sin, cos) = (self.ahead / self.radius).sin_cos();
         let place = tick.position + tick.turn * Vector3::new(cos - 1.0, sin, 0.0) * self.radius;
         (place, tick.turn * Vector3::new(-sin, cos, 0.0))
     }
@@ -161,14 +170,9 @@ impl<'a> Stitch<'a> {
     }
 }
 
-/// Stitches that have been begun; the first counts from the start.
+/// Stitches of the scene.
 fn stitches(recording: &Recording) -> u32 {
-    recording
-        .punctures
-        .iter()
-        .map(|puncture| puncture.stitch)
-        .max()
-        .unwrap_or(1)
+    recording.plan.stitch.map_or(1, |stitch| stitch.stitches.into())
 }
 
 /// Distances along the wound from stitch to stitch, where there are several.
@@ -268,11 +272,16 @@ fn thread(recording: &Recording) -> Vec<Row> {
         Row::new(TENSION_LEFT, end.map(|end| end.tension[1])),
     ];
     if let Some(wound) = recording.plan.wound {
-        rows.push(Row::new(
-            GAP_LOADED,
-            pulled.and_then(|pulled| Some(pulled.last()?.gap_mm)),
-        ));
-        rows.push(Row::new(GAP_LEFT, end.map(|end| end.gap_mm)));
+        let loaded = pulled.and_then(<[Tick]>::last);
+        for stitch in 1..=stitches(recording) {
+            let of = |tick: Option<&Tick>| tick.map(|tick| tick.gap_mm[stitch as usize - 1]);
+            for (kind, gap) in [(GAP_LOADED, of(loaded)), (GAP_LEFT, of(end))] {
+                rows.push(Row {
+                    stitch: Some(stitch),
+                    ..Row::new(kind, gap)
+                });
+            }
+        }
         rows.push(Row::new(
             THREAD_USED,
             end.map(|end| end.stitch_m * 1e3 / wound.length_mm),

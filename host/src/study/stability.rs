@@ -73,8 +73,12 @@ fn chosen(name: Option<&str>) -> Result<Vec<Case>, Error> {
     let of_family = cases.iter().filter(|case| case.family() == asked_family);
     let mut there: Vec<_> = of_family.map(|case| case.name.clone()).collect();
     if there.is_empty() {
-        there = cases.iter().map(|case| case.family().to_owned()).collect();
-        there.dedup();
+        for case in &cases {
+            let family = case.family();
+            if !there.iter().any(|known| known == family) {
+                there.push(family.to_owned());
+            }
+        }
     }
     cases.retain(|case| case.is_called(name));
     match cases.is_empty() {

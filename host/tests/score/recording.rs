@@ -18,6 +18,7 @@ pub(crate) struct Recording {
     force: String,
     motion: String,
     punctures: String,
+    stitches: u32,
     ticks: usize,
 }
 
@@ -61,10 +62,11 @@ impl Recording {
         let (half, quarter) = (-psi / 2.0, PI / 4.0);
         let (w, i) = (half.cos() * quarter.cos(), half.cos() * quarter.sin());
         let (j, k) = (half.sin() * quarter.cos(), -half.sin() * quarter.sin());
-        writeln!(self.motion, "{n},{w},{i},{j},{k},{side},{stitch},0.009").unwrap();
+        writeln!(self.motion, "{n},{w},{i},{j},{k},{side},{stitch},0.009,1").unwrap();
     }
 
     pub(crate) fn puncture(&mut self, stitch: u32, site: &str, [x, y, z]: [f64; 3]) {
+        self.stitches = self.stitches.max(stitch);
         writeln!(
             self.punctures,
             "{},{stitch},{site},{x},{y},{z},0.95,0.95,1.5",
@@ -77,13 +79,22 @@ impl Recording {
         let put = |name: &str, head: &str, lines: &str| {
             std::fs::write(folder.join(name), format!("{head}\n{lines}")).unwrap()
         };
-        std::fs::write(folder.join("scene.toml"), sutura::scene::BUILT_IN).unwrap();
+        let scene = match self.stitches {
+            0 | 1 => sutura::scene::BUILT_IN.to_owned(),
+            n => sutura::scene::BUILT_IN
+                .replace("bite_mm = 4 ", &format!("stitches = {n}\nspacing_mm = 6\nbite_mm = 4 ")),
+        };
+        std::fs::write(folder.join("scene.toml"), scene).unwrap();
         put(
             "force.csv",
             "tick,stage,x_m,y_m,z_m,simulated_n,rendered_n,thread_n,gap_mm",
             &self.force,
         );
-        put("motion.csv", "tick,qw,qx,qy,qz,side_n,stitch_n,stitch_m", &self.motion);
+        put(
+            "motion.csv",
+            "tick,qw,qx,qy,qz,side_n,stitch_n,stitch_m,stitch",
+            &self.motion,
+        );
         put(
             "punctures.csv",
             "tick,stitch,site,x_m,y_m,z_m,force_n,f0_n,depth_mm",

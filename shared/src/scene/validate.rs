@@ -1,8 +1,8 @@
 //! Ranges of a scene: wide enough for any tissue and tool one can hold in a hand, narrow enough that no coefficient overflows.
 
 use super::{
-    Body, Device, Effect, Hand, KERNEL_PITCHES, Lattice, Motion, Output, Pose, Scene, Stitch, Thread, Tissue, Tool,
-    Tremor, Until, Wound,
+    Body, Device, Effect, Hand, KERNEL_PITCHES, Lattice, Motion, Output, Pose, STITCHES_MAX, Scene, Stitch, Thread,
+    Tissue, Tool, Tremor, Until, Wound,
 };
 use crate::check::{Invalid, Validate, finite, require};
 use crate::limits::{CELLS_MAX, THREAD_NODES_MAX};
@@ -230,6 +230,12 @@ impl Tool {
 impl Stitch {
     fn validate(&self) -> Result<(), Invalid> {
         all_within(&self.a_m, &PLACE_M, "stitch.a_m")?;
+        require(
+            (1..=STITCHES_MAX).contains(&usize::from(self.count)),
+            "stitch.count",
+            "1 to 3",
+        )?;
+        within(self.spacing_m, &(0.0..=0.5, "0 to 0.5 m"), "stitch.spacing_m")?;
         all_within(&self.f0_n, &(1e-3..=1e3, "1e-3 to 1e3 N"), "stitch.f0_n")?;
         within(self.under_m, &(0.0..=0.5, "0 to 0.5 m"), "stitch.under_m")?;
         within(

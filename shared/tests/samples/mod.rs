@@ -66,6 +66,7 @@ pub(crate) fn to_host() -> std::vec::Vec<ToHost> {
         }),
         ToHost::Puncture(PunctureEvent {
             site: Site::D,
+            stitch: 2,
             tick: 4321,
             force_n: 0.96,
             f0_n: 0.95,
@@ -98,13 +99,14 @@ pub(crate) fn telemetry(stage: Stage) -> Telemetry {
     Telemetry {
         tick: 12_345,
         stage,
+        stitch: 3,
         faults: 5,
         position_m: [0.001, -0.002, 0.003],
         simulated_n: [0.5, -0.25, 0.125],
         rendered_n: [1.5, -1.25, 1.125],
         torque_n_m: [0.001, -0.002, 0.003],
         thread_n: 0.75,
-        gap_m: 0.004,
+        gap_m: [0.004, 0.003, -0.002],
         gap_mean_m: -0.001,
         saturated: true,
     }
@@ -168,6 +170,8 @@ pub(crate) fn full_scene() -> Scene {
 
 fn stitch() -> Stitch {
     Stitch {
+        count: 3,
+        spacing_m: 0.006,
         a_m: [-0.006, 0.001],
         f0_n: [0.95, 0.25, 0.5, 0.9],
         under_m: 0.002,

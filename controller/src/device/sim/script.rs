@@ -15,8 +15,10 @@ pub struct State {
     pub step: u32,
     /// Ticks since the step began.
     pub elapsed: u32,
-    /// Sites passed so far, a bit each.
+    /// Sites of the stitch passed so far, a bit each.
     pub punctured: u32,
+    /// Number of the stitch.
+    pub stitch: u8,
     /// Ticks that the thread's tension has been as the step waits for, without a break.
     pub felt: u32,
     /// Where the step began, patch frame.
@@ -33,6 +35,7 @@ impl State {
             step: 0,
             elapsed: 0,
             punctured: 0,
+            stitch: 1,
             felt: 0,
             from: start,
             target: start,
@@ -48,6 +51,9 @@ pub fn current<'a>(steps: &'a [Step], state: &State) -> Option<&'a Step> {
 
 /// Advances the script by one tick, which `seen` has just answered.
 pub fn advance(steps: &[Step], state: &mut State, seen: &Output) {
+    if state.stitch != seen.stitch {
+        (state.stitch, state.punctured) = (seen.stitch, 0);
+    }
     if let Some(puncture) = seen.puncture {
         state.punctured |= 1 << puncture.site as u32;
     }

@@ -137,6 +137,7 @@ impl Keys<'_> {
         let [least, _] = key::BITE.range;
         let bite = self.own_within(&key::BITE, stitch.bite_mm.as_ref(), [least, inside - half_gap])?;
         self.reaches(file, &needle, [half_gap, bite])?;
+        let (stitches, spacing_mm) = self.row(file, stitch)?;
         let f0 = |site: usize| match &stitch.f0_n {
             Some(f0) => self.source.number(key::F0.name, &f0[site], key::F0.range),
             None => self.default(&key::F0, site, key::F0.range),
@@ -144,12 +145,55 @@ impl Keys<'_> {
         let friction = self.own(&key::FRICTION, stitch.friction_n_per_mm.as_ref())?;
         Ok(Some(Stitch {
             bite_mm: bite,
+            stitches,
+            spacing_mm,
             f0_n: [f0(0)? as f32, f0(1)? as f32, f0(2)? as f32, f0(3)? as f32],
             under_m: metres(self.own(&key::UNDER, stitch.under_mm.as_ref())?),
             friction_n_per_m: (friction * 1e3) as f32,
             cutting_n: self.own(&key::CUTTING, stitch.cutting_n.as_ref())? as f32,
             tension_gain: self.own(&key::TENSION_GAIN, stitch.tension_gain.as_ref())? as f32,
         }))
+    }
+
+    /// How many stitches, and how far apart [mm].
+    fn row(&self, file: &File, stitch: &file::Stitch) -> Result<(u8, f64), Error> {
+        let span = |number: &Option<Number>| number.as_ref().map_or(0..0, Spanned::span);
+        let asked = stitch.stitches.as_ref();
+        let stitches = asked.map_or(Ok(1.0), |asked| {
+            self.source.number(key::STITCHES.name, asked, key::STITCHES.range)
+        })?;
+        let fault = |at: &Option<Number>, what: String| Err(self.source.fault(span(at), what));
+        if stitches.fract() != 0.0 {
+            return fault(
+                &stitch.stitches,
+                format!("stitch.stitches = {stitches}: a whole number is right"),
+            );
+        }
+        match &stitch.spacing_mm {
+            None if stitches < 2.0 => Ok((1, 0.0)),
+            Some(_) if stitches < 2.0 => fault(
+                &stitch.spacing_mm,
+                "stitch.spacing_mm is from one stitch to the next: stitch.stitches = 2 or 3 is right with it"
+                    .to_owned(),
+            ),
+            _ if !self.effects.has(Effect::Thread) => fault(
+                &stitch.stitches,
+                format!("stitch.stitches = {stitches} needs effect thread, which joins them: add it or sew one stitch"),
+            ),
+            None => fault(
+                &stitch.stitches,
+                format!("stitch.stitches = {stitches} needs stitch.spacing_mm, from one to the next"),
+            ),
+            Some(spacing) => {
+                let [least, _] = key::SPACING.range;
+                let inside = *file.patch.size_mm[1].get_ref() - 2.0 * *file.patch.pitch_mm.get_ref();
+                let wound = file.wound.as_ref();
+                let long = wound.map_or(inside, |wound| *wound.get_ref().length_mm.get_ref());
+                let most = long.min(inside) / (stitches - 1.0);
+                let spacing = self.source.number(key::SPACING.name, spacing, [least, most])?;
+                Ok((stitches as u8, spacing))
+            }
+        }
     }
 
     /// Refuses a bite that the needle cannot make at this gap, with the numbers and a needle that can.

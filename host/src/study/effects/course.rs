@@ -125,7 +125,7 @@ impl Seen {
         Self {
             stage: output.stage,
             simulated_n: output.simulated.into(),
-            gap_m: output.gap,
+            gap_m: output.gap[0],
         }
     }
 }

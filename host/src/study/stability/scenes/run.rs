@@ -45,7 +45,7 @@ impl<'a> Run<'a> {
         })?;
         let wound = scene.wound.filter(|_| scene.effects.has(Effect::WoundContact));
         Ok(Self {
-            faces: wound.and_then(|wound| wound::faces(&wound, controller.lattice()).ok()),
+            faces: wound.and_then(|wound| wound::faces(&wound, None, controller.lattice()).ok()),
             device_from_patch: Pose::from(scene.device.patch_from_device).inverse(),
             attempt,
             controller,

@@ -5,11 +5,13 @@
 // The lint knows tests, not what they call.
 #![allow(clippy::unwrap_used)]
 
+mod effects;
+
 use sutura::run::embedded::{NODES_MAX, PcRig};
 use sutura::scene::build::{Built, build};
 use sutura::scene::check::check;
 use sutura::scene::{BUILT_IN, Source};
-use sutura_controller::effects::{Row, TABLE, row};
+
 use sutura_controller::lanes::Level;
 use sutura_controller::link::Plant;
 use sutura_controller::record::Output;
@@ -17,7 +19,7 @@ use sutura_shared::scene::{Effect, Stage};
 use sutura_tests::scenario::memory;
 use toml::{Table, Value};
 
-const TOUCH: &str = include_str!("../../host/scenes/touch.toml");
+const TOUCH: &str = include_str!("../../../host/scenes/touch.toml");
 /// Longest run [ticks].
 const TICKS_MAX: usize = 13_000;
 /// Ticks after the stitch is done.
@@ -285,141 +287,4 @@ fn every_key_of_a_mesh_acts() {
         .unwrap()
         .extend(soft.map(|(key, value)| (key.to_owned(), value)));
     assert!(differs(&built(&scene).unwrap(), &base).is_some(), "tissue.2.body");
-}
-
-/// Takes a name out of a scene's effects.
-fn switch_off(scene: &mut Table, effect: Effect) {
-    let effects = scene.get_mut("effects").unwrap().as_array_mut().unwrap();
-    effects.retain(|name| name.as_str() != Some(effect.name()));
-}
-
-/// The tables that hold a key of an effect, and its name there.
-fn holders<'a>(scene: &'a mut Table, key: &'static str) -> (Vec<&'a mut Table>, &'static str) {
-    let (section, last) = key.rsplit_once('.').unwrap();
-    let tables = match section {
-        "tissue" => {
-            let tissues = scene.get_mut("tissue").unwrap().as_array_mut().unwrap();
-            tissues
-                .iter_mut()
-                .map(|tissue| tissue.as_table_mut().unwrap())
-                .collect()
-        }
-        _ => {
-            let mut parts = section.split('.');
-            let first = scene.get_mut(parts.next().unwrap()).and_then(Value::as_table_mut);
-            let table = parts.fold(first, |table, part| table?.get_mut(part)?.as_table_mut());
-            table.into_iter().collect()
-        }
-    };
-    (tables, last)
-}
-
-/// Takes everything of an effect out of a scene but `kept`; then the effect's empty section.
-fn leave_out(scene: &mut Table, row: &Row, kept: Option<&str>) {
-    switch_off(scene, row.effect);
-    for key in row.keys.iter().filter(|key| Some(key.name) != kept) {
-        let (tables, last) = holders(scene, key.name);
-        for table in tables {
-            table.remove(last);
-            // Without breaks a curve is its first slope.
-            if let ("breaks_percent", Some(Value::Array(slopes))) = (last, table.get_mut("slopes_kpa")) {
-                slopes.truncate(1);
-            }
-        }
-    }
-    if let Some(section) = row.section
-        && scene
-            .get(section)
-            .and_then(Value::as_table)
-            .is_some_and(Table::is_empty)
-    {
-        scene.remove(section);
-    }
-    for other in TABLE.iter().filter(|other| other.needs == Some(row.effect)) {
-        leave_out(scene, other, None);
-    }
-    if let Some(section) = row.section
-        && scene
-            .get(section)
-            .and_then(Value::as_table)
-            .is_some_and(Table::is_empty)
-    {
-        scene.remove(section);
-    }
-}
-
-#[test]
-fn a_key_of_an_effect_that_is_off_is_refused_with_its_name() {
-    for row in &TABLE {
-        for key in row.keys {
-            let mut scene = with_thread_friction();
-            leave_out(&mut scene, row, Some(key.name));
-            let error = built(&scene).unwrap_err();
-            let section = key.name.split('.').next().unwrap();
-            let what = match row.section {
-                Some(own) if own == section => format!("section [{own}]"),
-                _ => format!("key {}", key.name),
-            };
-            let expected = format!(
-                "{what} needs effect {0}: add \"{0}\" to effects or remove it",
-                row.effect.name()
-            );
-            assert!(
-                error.starts_with("scene:") && error.ends_with(&expected),
-                "{}: {error}",
-                key.name
-            );
-        }
-    }
-}
-
-/// Puncture has its hand: a scene that sews cannot do without.
-#[test]
-fn a_scene_is_one_without_any_other_effect() {
-    for row in TABLE.iter().filter(|row| row.effect != Effect::Puncture) {
-        let mut scene = with_thread_friction();
-        leave_out(&mut scene, row, None);
-        let built = built(&scene).unwrap_or_else(|error| panic!("{}: {error}", row.effect.name()));
-        assert!(!built.scene.effects.has(row.effect));
-        assert_eq!(built.scene.thread.is_some(), built.scene.effects.has(Effect::Thread));
-    }
-}
-
-/// The built-in scene spells the defaults out, so it stays what it is where any of them is left out, and its effects' names suffice.
-#[test]
-fn a_key_that_is_left_out_has_its_default() {
-    let whole = with_thread_friction();
-    let expected = built(&whole).unwrap().scene;
-    let mut names = whole.clone();
-    for key in TABLE
-        .iter()
-        .flat_map(|row| row.keys)
-        .filter(|key| !key.default.is_empty())
-    {
-        let mut scene = whole.clone();
-        for scene in [&mut scene, &mut names] {
-            let (tables, last) = holders(scene, key.name);
-            let removed = tables.into_iter().filter_map(|table| table.remove(last)).count();
-            assert_eq!(removed, 1, "{}", key.name);
-        }
-        assert_eq!(built(&scene).unwrap().scene, expected, "{}", key.name);
-    }
-    for section in ["stitch", "thread"] {
-        assert!(names.remove(section).unwrap().as_table().unwrap().is_empty());
-    }
-    assert_eq!(built(&names).unwrap().scene, expected);
-}
-
-#[test]
-fn a_name_suffices_to_add_an_effect() {
-    let mut touch: Table = TOUCH.parse().unwrap();
-    for effect in [Effect::Passivity, Effect::SpringDamping, Effect::Stiffening] {
-        leave_out(&mut touch, row(effect), None);
-    }
-    let plain = built(&touch).unwrap().scene;
-    for effect in [Effect::Passivity, Effect::SpringDamping, Effect::Stiffening] {
-        touch["effects"].as_array_mut().unwrap().push(effect.name().into());
-        let scene = built(&touch).unwrap().scene;
-        assert!(scene.effects.has(effect) && scene != plain);
-    }
 }
