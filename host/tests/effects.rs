@@ -141,6 +141,23 @@ fn an_effect_that_is_off_costs_ten_instructions_a_tick_at_most() {
     }
 }
 
+/// On a patch of more than 2,000 nodes, with the default solver.
+#[test]
+fn a_thread_of_a_hundred_links_costs_half_a_tick_at_most() {
+    if !counts("a_thread_of_a_hundred_links_costs_half_a_tick_at_most") {
+        return;
+    }
+    let (mut scene, cells) = stitch(SIZES[1]);
+    scene.solver = Solver::default();
+    let thread = scene.thread.as_mut().unwrap();
+    (thread.nodes, thread.link_m) = (101, 0.002);
+    let none = without(&scene, Effect::Thread);
+    let [with, without] = [&scene, &none].map(|scene| counted(scene, &cells, "*PcRig*tick*").unwrap());
+    let ratio = with as f64 / without as f64;
+    eprintln!("a thread of 100 links: {ratio:.3} of a tick without");
+    assert!(ratio <= 1.5, "{ratio}");
+}
+
 #[test]
 fn a_scene_without_any_effect_pays_for_none() {
     if !counts("a_scene_without_any_effect_pays_for_none") {
