@@ -66,10 +66,10 @@ impl Sew {
         for (stitch, place) in places.iter().enumerate() {
             let led = Led::by(&self.manner, place);
             let short = shifted(&led.entry, -SHORT * led.tangent);
-            let start = shifted(&short, Vector3::z() * START.max(HANGING * place.thread_m));
+            let start = shifted(&short, Vector3::z() * START.max(HANGING * left(places, stitch)));
             if begin.is_some() {
                 // From where the thread was drawn to.
-                let (way, speed) = (HANGING * place.thread_m, self.approach_m_per_s * self.manner.pace);
+                let (way, speed) = (left(places, stitch), self.approach_m_per_s * self.manner.pace);
                 steps.extend([step(Motion::Line { to: record(&start) }, way / speed, Until::Elapsed)]);
             }
             begin.get_or_insert(start);
@@ -119,12 +119,11 @@ impl Draw {
         let Some(place) = places.get(stitch) else {
             return Vec::new();
         };
-        // The thread goes taut at about its own length from the exit, less the way through all punctures so far.
+        // The thread goes taut about as far from the exit as there is thread left.
         let away = Vector3::new(-0.6, 0.0, 0.8);
         let exit = Vector3::new(place.half_m, place.y_m, place.skin_m[1]);
-        let used = 2.0 * place.half_m * (stitch + 1) as f64 + across(places.get(..=stitch).unwrap_or_default());
         let at = |beyond: f64| {
-            let way = (place.thread_m - used).max(0.0) + beyond;
+            let way = left(places, stitch) - 2.0 * place.half_m + beyond;
             Isometry3::from_parts(Translation3::from(exit + away * way), out.rotation)
         };
         let (taut, loose) = (at(0.0), at(-LOOSE));
@@ -153,12 +152,17 @@ impl Draw {
     }
 }
 
-/// Way of the thread over the skin, from each exit to the next entry [m].
-fn across(places: &[Place]) -> f64 {
-    let from_to = places.iter().zip(places.iter().skip(1));
-    from_to
-        .map(|(from, to)| (from.half_m + to.half_m).hypot(to.y_m - from.y_m))
-        .sum()
+/// Thread that is left when a stitch begins: the earlier ones have taken the way from each entry through its exit to the next entry [m].
+fn left(places: &[Place], stitch: usize) -> f64 {
+    let from_to = places.iter().zip(places.iter().skip(1)).take(stitch);
+    let taken = from_to.map(|(from, to)| 2.0 * from.half_m + (from.half_m + to.half_m).hypot(to.y_m - from.y_m));
+    places.first().map_or(0.0, |place| place.thread_m) - taken.sum::<f64>()
+}
+
+/// Whether the thread is long enough for every stitch but the first to begin without pulling on the one before.
+#[must_use]
+pub fn leaves_enough(places: &[Place]) -> bool {
+    (1..places.len()).all(|stitch| left(places, stitch) * HANGING >= START)
 }
 
 impl Touch {

@@ -5,7 +5,7 @@ use sutura_controller::device::sim::kinematics::{inverse, within_stops};
 use sutura_controller::math::{Pose, Vec3};
 use sutura_shared::scene::{Hand, Motion};
 
-use super::operator::{Operator, Place, patch_from_device};
+use super::operator::{Operator, Place, leaves_enough, patch_from_device};
 use super::plan::Plan;
 
 /// Places that are looked at on the way of one step.
@@ -17,17 +17,26 @@ const PLACES: u16 = 32;
 /// Which key to change, and to what where that is known.
 pub fn check(plan: &Plan, places: &[Place]) -> Result<(), Error> {
     let reaches = |places: &[Place]| reaches(&plan.operator.hand(plan.hand, places));
-    if reaches(places) {
+    let enough = leaves_enough(places);
+    if enough && reaches(places) {
         return Ok(());
     }
     let link_m = plan.thread.map_or(0.0, |thread| f64::from(thread.link_m));
-    let shorter = |links: u16| {
+    let with_links = |links: u16| {
         let thread_m = f64::from(links) * link_m;
         let with = |place: &Place| Place { thread_m, ..*place };
         places.iter().map(with).collect::<Vec<_>>()
     };
     let links = plan.thread.map_or(0, |thread| thread.nodes - 1);
-    match (1..links).rev().find(|links| reaches(&shorter(*links))) {
+    if !enough {
+        let longer = (links..=u16::MAX).find(|links| leaves_enough(&with_links(*links)));
+        return Err(Error::Short {
+            length_mm: f64::from(links) * link_m * 1e3,
+            stitches: places.len(),
+            least_mm: (f64::from(longer.unwrap_or(u16::MAX)) * link_m * 1e3).ceil(),
+        });
+    }
+    match (1..links).rev().find(|links| reaches(&with_links(*links))) {
         Some(fits) => Err(Error::Thread {
             length_mm: f64::from(links) * link_m * 1e3,
             most_mm: (f64::from(fits) * link_m * 1e3 + 1e-3).floor(),
@@ -79,6 +88,18 @@ pub enum Error {
         length_mm: f64,
         /// What the arm can do [mm].
         most_mm: f64,
+    },
+    /// There is not thread enough for all stitches.
+    #[error(
+        "thread.length_mm = {length_mm:.0} is too short for {stitches} stitches: at least {least_mm} is right here"
+    )]
+    Short {
+        /// As the scene says [mm].
+        length_mm: f64,
+        /// How many are to be sewn.
+        stitches: usize,
+        /// What they need [mm].
+        least_mm: f64,
     },
     /// The tool is moved too far by itself.
     #[error("{section}: the hand's script leads out of the simulated arm's reach; smaller lengths are right")]
