@@ -333,7 +333,7 @@ mod tests {
         }),
         manner: Manner::SCRIPT,
     };
-    const PLACE: Place = Place {
+    pub(super) const PLACE: Place = Place {
         y_m: 0.0,
         skin_m: [0.0; 2],
         half_m: 0.006,

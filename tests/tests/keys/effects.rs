@@ -33,6 +33,18 @@ fn holders<'a>(scene: &'a mut Table, key: &'static str) -> (Vec<&'a mut Table>, 
     (tables, last)
 }
 
+/// Takes an effect's section out of a scene where nothing stands in it.
+fn drop_empty(scene: &mut Table, row: &Row) {
+    if let Some(section) = row.section
+        && scene
+            .get(section)
+            .and_then(Value::as_table)
+            .is_some_and(Table::is_empty)
+    {
+        scene.remove(section);
+    }
+}
+
 /// Takes everything of an effect out of a scene but `kept`; then the effect's empty section.
 fn leave_out(scene: &mut Table, row: &Row, kept: Option<&str>) {
     switch_off(scene, row.effect);
@@ -46,25 +58,11 @@ fn leave_out(scene: &mut Table, row: &Row, kept: Option<&str>) {
             }
         }
     }
-    if let Some(section) = row.section
-        && scene
-            .get(section)
-            .and_then(Value::as_table)
-            .is_some_and(Table::is_empty)
-    {
-        scene.remove(section);
-    }
+    drop_empty(scene, row);
     for other in TABLE.iter().filter(|other| other.needs == Some(row.effect)) {
         leave_out(scene, other, None);
     }
-    if let Some(section) = row.section
-        && scene
-            .get(section)
-            .and_then(Value::as_table)
-            .is_some_and(Table::is_empty)
-    {
-        scene.remove(section);
-    }
+    drop_empty(scene, row);
 }
 
 #[test]

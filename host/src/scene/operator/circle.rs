@@ -120,16 +120,8 @@ fn direction(angle: f64) -> Vector3<f64> {
 #[cfg(test)]
 mod tests {
     use super::super::TURN;
+    use super::super::tests::PLACE;
     use super::*;
-
-    const PLACE: Place = Place {
-        y_m: 0.0,
-        skin_m: [0.0; 2],
-        half_m: 0.006,
-        radius_m: 0.026 / PI,
-        ahead_m: 2.0 / 3.0 * 0.026,
-        thread_m: 0.115,
-    };
 
     /// The tip of a needle held at `pose`, from the arc's definition alone.
     fn tip(pose: &Isometry3<f64>) -> Vector3<f64> {
