@@ -56,6 +56,15 @@ pub struct Gap {
     pub mean: f32,
 }
 
+/// How the wound's upper edges stand against each other.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Edges {
+    /// Width between them [m], negative where they overlap.
+    pub gap: f32,
+    /// How much higher the right one stands than the left one [m].
+    pub step: f32,
+}
+
 /// More pairs of facing nodes than [`PAIRS_MAX`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct TooManyPairs;
@@ -178,6 +187,20 @@ impl Faces {
         Some(along(k)? * (1.0 - fz) + along(k + 1)? * fz)
     }
 
+    /// The edges at a row of nodes; as at rest where the skin has no node on both sides.
+    fn edges<const N: usize>(&self, lattice: &Lattice<N>, tissue: &Tissue<N>, row: u32) -> Edges {
+        let place = |i| lattice.top(i, row).map(|node| lattice.place(tissue, node));
+        let [left, right] = self.rims.columns.map(place);
+        let rest = Edges {
+            gap: self.rest,
+            step: 0.0,
+        };
+        left.zip(right).map_or(rest, |(left, right)| Edges {
+            gap: right.x - left.x,
+            step: right.z - left.z,
+        })
+    }
+
     /// Width of a pair whose nodes have moved by these x displacements [m].
     #[must_use]
     pub fn width(&self, left: f32, right: f32) -> f32 {
@@ -185,25 +208,88 @@ impl Faces {
     }
 }
 
+/// The edges row by row: place along the wound at rest [m], and how they stand there.
+pub fn edges<const N: usize>(
+    faces: &Faces,
+    lattice: &Lattice<N>,
+    tissue: &Tissue<N>,
+) -> impl Iterator<Item = (f32, Edges)> {
+    let ([first, last], [_, begin, _]) = (faces.rims.rows, lattice.origin);
+    (first..=last).map(move |j| (begin + j as f32 * lattice.pitch, faces.edges(lattice, tissue, j)))
+}
+
+/// The edges at each stitch; level and with no gap where there is none.
+pub fn at_stitches<const N: usize>(faces: &Faces, lattice: &Lattice<N>, tissue: &Tissue<N>) -> [Edges; STITCHES_MAX] {
+    let between = |(row, part): (u32, f32)| {
+        let [here, next] = [row, row + 1].map(|j| faces.edges(lattice, tissue, j));
+        Edges {
+            gap: here.gap * (1.0 - part) + next.gap * part,
+            step: here.step * (1.0 - part) + next.step * part,
+        }
+    };
+    faces
+        .rims
+        .stitches
+        .map(|stitch| stitch.map_or_else(Edges::default, between))
+}
+
 /// Width between the rims now.
 #[must_use]
 pub fn gap<const N: usize>(faces: &Faces, lattice: &Lattice<N>, tissue: &Tissue<N>) -> Gap {
-    let Rims {
-        columns: [left, right],
-        stitches,
-        mean: [first, last],
-        ..
-    } = faces.rims;
-    let place = |i, j| lattice.top(i, j).map(|node| lattice.place(tissue, node).x);
-    let at = |j| Some(place(right, j)? - place(left, j)?);
-    let between = |(row, part): (u32, f32)| {
-        let here = at(row).unwrap_or(faces.rest);
-        let next = at(row + 1).unwrap_or(here);
-        here * (1.0 - part) + next * part
-    };
+    let [first, last] = faces.rims.mean;
     let rows = (last.saturating_sub(first) + 1) as f32;
+    let sum: f32 = (first..=last).map(|j| faces.edges(lattice, tissue, j).gap).sum();
     Gap {
-        at_stitches: stitches.map(|stitch| stitch.map_or(0.0, between)),
-        mean: (first..=last).map(|j| at(j).unwrap_or(faces.rest)).sum::<f32>() / rows,
+        at_stitches: at_stitches(faces, lattice, tissue).map(|edges| edges.gap),
+        mean: sum / rows,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use bytemuck::Zeroable;
+
+    const N: usize = 256;
+
+    /// Four columns by three rows in two layers 2 mm apart, cut between the second column and the third; at row j the right edge has moved
+    /// by −j mm across and by j/10 mm upwards.
+    #[test]
+    fn edges_are_seen_row_by_row_and_between_rows() {
+        let (mut lattice, mut tissue) = (Lattice::<N>::zeroed(), Tissue::<N>::zeroed());
+        (lattice.nodes, lattice.pitch, lattice.origin) = ([4, 3, 2], 2e-3, [0.0, -2e-3, 0.0]);
+        lattice.mass.fill(1.0);
+        for j in 0..3 {
+            let node = lattice.index([2, j, 1]);
+            let [x, _, z] = &mut tissue.displacement;
+            (x[node], z[node]) = (-1e-3 * j as f32, 1e-4 * j as f32);
+        }
+        let wound = Wound {
+            faces: [1, 2],
+            rows: [0, 2],
+            floor: 1,
+            penalty_n_per_m: 1.0,
+        };
+        let stitch = Stitch {
+            a_m: [0.0, 5e-4],
+            count: 1,
+            spacing_m: 0.0,
+        };
+        let faces = faces(&wound, Some(&stitch), &lattice).unwrap();
+        let near = |a: f32, b: f32| (a - b).abs() < 1e-9;
+        for (j, (along, edges)) in edges(&faces, &lattice, &tissue).enumerate() {
+            let j = j as f32;
+            assert!(near(along, 2e-3 * j - 2e-3), "{along}");
+            assert!(
+                near(edges.gap, 2e-3 - 1e-3 * j) && near(edges.step, 1e-4 * j),
+                "{edges:?}"
+            );
+        }
+        // A quarter of the way from the second row to the third.
+        let [here, none, _] = at_stitches(&faces, &lattice, &tissue);
+        assert!(near(here.gap, 7.5e-4) && near(here.step, 1.25e-4), "{here:?}");
+        assert_eq!(none, Edges::default());
+        let gap = gap(&faces, &lattice, &tissue);
+        assert!(near(gap.at_stitches[0], here.gap) && near(gap.mean, 1e-3), "{gap:?}");
     }
 }

@@ -6,6 +6,7 @@ pub mod budget;
 pub mod curve;
 pub mod matrix;
 pub mod pitch;
+pub mod wound;
 
 use std::path::Path;
 use std::sync::OnceLock;

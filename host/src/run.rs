@@ -3,6 +3,7 @@
 pub mod embedded;
 pub mod files;
 pub mod log;
+pub mod profile;
 pub mod report;
 mod session;
 pub(crate) mod solver;
@@ -158,6 +159,12 @@ fn report(request: &Request, built: &build::Built, session: Session) -> Report {
         wound_gap_mm: WoundGap {
             at_stitch: if wounded { log.gaps() } else { Vec::new() },
             mean: log.mean_gap().filter(|_| wounded),
+        },
+        wound_step_mm: if wounded { log.steps() } else { Vec::new() },
+        closing_n: if built.scene.thread.is_some() {
+            log.closing()
+        } else {
+            Vec::new()
         },
         force_n: log.peaks(),
         saturated_ticks: log.saturated(),

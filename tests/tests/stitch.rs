@@ -81,6 +81,22 @@ fn the_thread_is_pulled_as_a_surgeon_would() {
     assert!((0.2..=3.0).contains(&tension.thread_peak_n), "{tension:?}");
 }
 
+/// A thread that lies level between its punctures draws them together with its whole tension.
+#[test]
+fn the_stitch_holds_the_wound_with_the_tension_of_its_thread() {
+    let report = built_in();
+    let rows = &report.score.as_ref().unwrap().rows;
+    let left = rows
+        .iter()
+        .find(|row| row.name == "tension left in the stitch")
+        .unwrap();
+    let (tension, closing) = (left.value.unwrap(), f64::from(report.closing_n[0]));
+    assert!(
+        tension > 0.3 && (0.95..=1.0).contains(&(closing / tension)),
+        "{closing} of {tension} N"
+    );
+}
+
 #[test]
 fn a_second_run_has_the_same_bits() {
     let second = scenario::run(None).unwrap();

@@ -4,7 +4,8 @@ use super::Controller;
 use crate::math::Vec3;
 use crate::needle::{Arc, Passage};
 use crate::thread::Pull;
-use sutura_shared::scene::Site;
+use crate::wound::{self, Edges};
+use sutura_shared::scene::{STITCHES_MAX, Site};
 
 impl<const N: usize> Controller<'_, N> {
     /// The tool as it stood in the last tick; `None` before the first.
@@ -42,5 +43,33 @@ impl<const N: usize> Controller<'_, N> {
         self.running
             .as_ref()
             .map_or_else(Pull::default, |(_, state)| state.pull)
+    }
+
+    /// The wound's edges row by row, with the place along the wound [m], and at each stitch; none without a wound.
+    #[must_use]
+    pub fn wound(&self) -> Option<(impl Iterator<Item = (f32, Edges)>, [Edges; STITCHES_MAX])> {
+        let (params, _) = self.running.as_ref()?;
+        let faces = params.faces.as_ref()?;
+        let (lattice, tissue) = (self.lattice(), self.tissue());
+        Some((
+            wound::edges(faces, lattice, tissue),
+            wound::at_stitches(faces, lattice, tissue),
+        ))
+    }
+
+    /// Force with which the thread draws the wound together at each stitch [N]: half the difference of what it does, across the wound, to the
+    /// punctures left and right. Nothing before it runs through both.
+    #[must_use]
+    pub fn closing(&self) -> [f32; STITCHES_MAX] {
+        let mut closing = [0.0; STITCHES_MAX];
+        let Some(thread) = self.running.as_ref().and_then(|(_, state)| state.thread.as_ref()) else {
+            return closing;
+        };
+        // From the tail on the thread runs through a and d of each stitch.
+        let (pairs, _) = thread.load.as_chunks::<2>();
+        for (closing, [left, right]) in closing.iter_mut().zip(pairs).take(thread.course.count.div_ceil(2)) {
+            *closing = 0.5 * (left.x - right.x);
+        }
+        closing
     }
 }

@@ -13,6 +13,8 @@ pub(crate) const SCENE: &str = "scene.toml";
 pub(crate) const FORCE: &str = "force.csv";
 /// The tool's orientation and the thread by tick.
 pub(crate) const MOTION: &str = "motion.csv";
+/// The wound along its length by time.
+pub(crate) const WOUND: &str = "wound.csv";
 /// One line a puncture.
 pub(crate) const PUNCTURES: &str = "punctures.csv";
 
@@ -42,7 +44,7 @@ pub fn spare(out: &Path, scene: Option<&Path>, copy: &str) -> Result<(), Error> 
     Ok(())
 }
 
-/// Writes `scene.toml`, `force.csv`, `motion.csv`, `punctures.csv` and `force.png`.
+/// Writes `scene.toml`, `force.csv`, `motion.csv`, `wound.csv`, `punctures.csv` and `force.png`; with a wound `wound.png`.
 ///
 /// # Errors
 /// The file system refuses, or the picture cannot be drawn.
@@ -54,7 +56,12 @@ pub fn write(out: &Path, copy: &str, title: &str, log: &Log) -> Result<(), Error
         })
     };
     whole(&out.join(SCENE), |path| file(path, std::fs::write(path, copy)))?;
-    for (name, table) in [(FORCE, force as Table), (MOTION, motion), (PUNCTURES, punctures)] {
+    for (name, table) in [
+        (FORCE, force as Table),
+        (MOTION, motion),
+        (WOUND, wound),
+        (PUNCTURES, punctures),
+    ] {
         whole(&out.join(name), |path| {
             let filled = std::fs::File::create(path).map(BufWriter::new).and_then(|mut file| {
                 table(&mut file, log)?;
@@ -65,6 +72,12 @@ pub fn write(out: &Path, copy: &str, title: &str, log: &Log) -> Result<(), Error
     }
     whole(&out.join("force.png"), |path| {
         plot::force(path, title, log).map_err(Error::Plot)
+    })?;
+    if log.wound.all().iter().all(|profile| profile.rows.is_empty()) {
+        return Ok(());
+    }
+    whole(&out.join("wound.png"), |path| {
+        plot::wound::draw(path, log).map_err(Error::Plot)
     })
 }
 
@@ -86,9 +99,12 @@ fn force(file: &mut BufWriter<std::fs::File>, log: &Log) -> io::Result<()> {
 }
 
 fn motion(file: &mut BufWriter<std::fs::File>, log: &Log) -> io::Result<()> {
-    write!(file, "tick,qw,qx,qy,qz,side_n,stitch_n,stitch_m,stitch")?;
+    write!(
+        file,
+        "tick,qw,qx,qy,qz,side_n,stitch_n,stitch_m,stitch,step_mm,closing_n"
+    )?;
     for stitch in 2..=log.stitches {
-        write!(file, ",gap_{stitch}_mm")?;
+        write!(file, ",gap_{stitch}_mm,step_{stitch}_mm,closing_{stitch}_n")?;
     }
     writeln!(file)?;
     for (tick, motion) in log.ticks.iter().zip(&log.motion) {
@@ -97,16 +113,33 @@ fn motion(file: &mut BufWriter<std::fs::File>, log: &Log) -> io::Result<()> {
             side_n,
             stitch_n,
             stitch_m,
+            step_m,
+            closing_n,
             ..
         } = motion;
         let (number, stitch) = (tick.tick, tick.stitch);
         write!(file, "{number},{w},{x},{y},{z},{side_n},{stitch_n},{stitch_m},{stitch}")?;
-        for gap_m in tick.gap_m.iter().take(log.stitches).skip(1) {
-            write!(file, ",{}", gap_m * 1e3)?;
+        let stitches = tick
+            .gap_m
+            .iter()
+            .zip(step_m)
+            .zip(closing_n)
+            .take(log.stitches)
+            .enumerate();
+        for (stitch, ((gap_m, step_m), closing_n)) in stitches {
+            if stitch > 0 {
+                // That at the first stitch is force.csv's.
+                write!(file, ",{}", gap_m * 1e3)?;
+            }
+            write!(file, ",{},{closing_n}", step_m * 1e3)?;
         }
         writeln!(file)?;
     }
     Ok(())
+}
+
+fn wound(file: &mut BufWriter<std::fs::File>, log: &Log) -> io::Result<()> {
+    log.wound.table(file)
 }
 
 fn punctures(file: &mut BufWriter<std::fs::File>, log: &Log) -> io::Result<()> {

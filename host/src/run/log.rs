@@ -4,6 +4,7 @@ use serde::Serialize;
 use sutura_shared::message::{PunctureEvent, Telemetry};
 use sutura_shared::scene::Stage;
 
+use super::profile::Profiles;
 use super::watch::Motion;
 
 impl Log {
@@ -39,6 +40,25 @@ impl Log {
     #[must_use]
     pub fn mean_gap(&self) -> Option<Change> {
         self.change(|tick| tick.gap_mean_m)
+    }
+
+    /// Step between the edges after the last tick, at each stitch [mm].
+    #[must_use]
+    pub fn steps(&self) -> Vec<f32> {
+        self.last_motion(|motion, stitch| motion.step_m[stitch] * 1e3)
+    }
+
+    /// Force that draws the wound together after the last tick, at each stitch [N].
+    #[must_use]
+    pub fn closing(&self) -> Vec<f32> {
+        self.last_motion(|motion, stitch| motion.closing_n[stitch])
+    }
+
+    fn last_motion(&self, of: impl Fn(&Motion, usize) -> f32) -> Vec<f32> {
+        let last = self.motion.last();
+        last.map_or_else(Vec::new, |motion| {
+            (0..self.stitches).map(|stitch| of(motion, stitch)).collect()
+        })
     }
 
     fn change(&self, of: impl Fn(&Telemetry) -> f32) -> Option<Change> {
@@ -106,6 +126,8 @@ pub struct Log {
     pub ticks: Vec<Telemetry>,
     /// How tool and thread moved, one record a tick.
     pub motion: Vec<Motion>,
+    /// The wound along its length, ten times a second.
+    pub wound: Profiles,
     /// Punctures in order.
     pub punctures: Vec<PunctureEvent>,
     /// Their places in the tissue before anything moved, patch frame [m].

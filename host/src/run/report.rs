@@ -94,7 +94,14 @@ impl Report {
     /// The wound before and after.
     fn gaps(&self, f: &mut Formatter<'_>) -> fmt::Result {
         for (stitch, Change { before, after }) in (1..).zip(&self.wound_gap_mm.at_stitch) {
-            writeln!(f, "gap at stitch {stitch}: {before:.2} mm before, {after:.2} mm after")?;
+            write!(f, "gap at stitch {stitch}: {before:.2} mm before, {after:.2} mm after")?;
+            if let Some(step) = self.wound_step_mm.get(stitch - 1) {
+                write!(f, "; step between the edges {:.2} mm", step.abs())?;
+            }
+            if let Some(closing) = self.closing_n.get(stitch - 1) {
+                write!(f, "; drawn together with {closing:.2} N")?;
+            }
+            writeln!(f)?;
         }
         if let Some(Change { before, after }) = &self.wound_gap_mm.mean {
             let over = match self.wound_gap_mm.at_stitch.len() {
@@ -151,6 +158,10 @@ pub struct Report {
     pub punctures: Vec<Puncture>,
     /// Width of the wound.
     pub wound_gap_mm: WoundGap,
+    /// How much higher the wound's right edge stands than the left one at the end, at each stitch [mm].
+    pub wound_step_mm: Vec<f32>,
+    /// Force with which the thread draws the wound together at the end, at each stitch [N].
+    pub closing_n: Vec<f32>,
     /// Largest forces.
     pub force_n: Peaks,
     /// Ticks in which the device's limit shortened the force.

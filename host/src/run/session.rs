@@ -88,6 +88,7 @@ pub(super) fn listen(
 /// Keeps what was seen of one tick.
 fn keep(seen: Seen, log: &mut Log, series: Option<&mut Series>) -> Result<(), files::Error> {
     log.motion.push(seen.motion);
+    log.wound.see(log.ticks.len(), seen.wound);
     log.places.extend(seen.puncture_m);
     match (series, seen.frame) {
         (Some(series), Some(frame)) => series.add(&frame, &log.punctures),

@@ -8,7 +8,8 @@ use sutura_controller::link::{LoadError, Loaded, Plant};
 use sutura_controller::math::Vec3;
 use sutura_controller::needle::Passage;
 use sutura_controller::record::Output;
-use sutura_shared::scene::{Scene, Site};
+use sutura_controller::wound::Edges;
+use sutura_shared::scene::{STITCHES_MAX, Scene, Site};
 
 use super::embedded::PcRig;
 
@@ -23,6 +24,10 @@ pub struct Motion {
     pub stitch_n: f32,
     /// Thread between the punctures [m].
     pub stitch_m: f32,
+    /// How much higher the wound's right edge stands than the left one, at each stitch [m].
+    pub step_m: [f32; STITCHES_MAX],
+    /// Force with which the thread draws the wound together at each stitch [N].
+    pub closing_n: [f32; STITCHES_MAX],
 }
 
 /// What was seen after one tick.
@@ -30,6 +35,8 @@ pub struct Motion {
 pub struct Seen {
     /// Tool and thread.
     pub motion: Motion,
+    /// The wound's edges row by row, with the place along the wound [m].
+    pub wound: Vec<(f32, Edges)>,
     /// Where the tissue was punctured in this tick: the place before anything moved, patch frame [m].
     pub puncture_m: Option<[f32; 3]>,
     /// The whole patch, where its time has come.
@@ -95,6 +102,10 @@ fn seen(rig: &PcRig<'_>, output: &Output, every: Option<u32>) -> Seen {
         .and_then(|(_, passage)| passage.point());
     Seen {
         motion: motion(rig, output),
+        wound: rig
+            .controller()
+            .wound()
+            .map_or_else(Vec::new, |(rows, _)| rows.collect()),
         puncture_m: point.map(|point| point.rest.into()),
         frame: every
             .filter(|every| output.tick.is_multiple_of(*every))
@@ -121,6 +132,10 @@ fn motion(rig: &PcRig<'_>, output: &Output) -> Motion {
         side_n: tangents.last().map_or(0.0, across),
         stitch_n: pull.stitch,
         stitch_m: pull.between,
+        step_m: controller
+            .wound()
+            .map_or([0.0; STITCHES_MAX], |(_, stitches)| stitches.map(|edges| edges.step)),
+        closing_n: controller.closing(),
     }
 }
 

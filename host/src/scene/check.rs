@@ -519,6 +519,27 @@ mod tests {
         }
     }
 
+    /// A 3-0 nylon thread has 76 N and 43 mg/m.
+    #[test]
+    fn a_thread_has_a_name_or_its_numbers() {
+        let numbers = "axial_n = 76\nmass_mg_per_m = 43\n";
+        let thread = altered(numbers, "kind = \"nylon 3-0\"\n").unwrap().thread.unwrap();
+        assert!((thread.axial_n - 76.0).abs() < 0.1 && (thread.mass_kg_per_m - 43e-6).abs() < 0.5e-6);
+        for (other, what) in [
+            (
+                "kind = \"nylon 3-0\"\naxial_n = 76\n",
+                "[thread] has either kind, or axial_n and mass_mg_per_m",
+            ),
+            (
+                "kind = \"steel 3-0\"\n",
+                "thread.kind = \"steel 3-0\": right is a material (nylon, silk, polypropylene) and a USP size (6-0,",
+            ),
+        ] {
+            let error = altered(numbers, other).unwrap_err();
+            assert!(error.contains(what), "{error}");
+        }
+    }
+
     #[test]
     fn a_default_that_does_not_fit_is_asked_for() {
         // A patch of 12 mm has 4 mm from its middle to the last layer of nodes that move, 2 mm of them in the gap.

@@ -207,9 +207,11 @@ pub struct Thread {
     pub length_mm: Option<Number>,
     /// Length of one link.
     pub link_mm: Option<Number>,
-    /// Axial stiffness EA.
+    /// Material and USP size.
+    pub kind: Option<Spanned<String>>,
+    /// Axial stiffness EA; without a name.
     pub axial_n: Option<Number>,
-    /// Mass per length.
+    /// Mass per length; without a name.
     pub mass_mg_per_m: Option<Number>,
     /// Damping over mass.
     pub damping_per_s: Option<Number>,

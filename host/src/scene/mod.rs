@@ -7,6 +7,7 @@
 //! | [`check`] | allowed ranges, effects and their keys |
 //! | [`plan`] | the checked scene |
 //! | [`needle`] | needles by name, and what one can sew |
+//! | [`suture`] | threads by name |
 //! | [`operator`] | the hand's script |
 //! | [`skill`] | whose hand it is: how far what it does lies from the script |
 //! | [`reach`] | whether the simulated arm can follow it |
@@ -25,6 +26,7 @@ pub mod reach;
 pub mod setting;
 pub mod skill;
 pub mod source;
+pub mod suture;
 
 use std::path::{Path, PathBuf};
 

@@ -40,6 +40,10 @@ pub(super) struct Tick {
     pub(super) stitch_m: f64,
     /// Width of the wound at each stitch [mm]; of no meaning beyond the scene's last.
     pub(super) gap_mm: [f64; STITCHES_MAX],
+    /// How much higher the right edge stands, at each stitch [mm]; none beyond the scene's last.
+    pub(super) step_mm: [Option<f64>; STITCHES_MAX],
+    /// Force with which the thread draws the wound together, at each stitch [N]; none beyond the scene's last.
+    pub(super) closing_n: [Option<f64>; STITCHES_MAX],
 }
 
 /// A line of punctures.csv.
@@ -88,6 +92,12 @@ struct MotionLine {
     gap_2_mm: f64,
     #[serde(default)]
     gap_3_mm: f64,
+    step_mm: Option<f64>,
+    step_2_mm: Option<f64>,
+    step_3_mm: Option<f64>,
+    closing_n: Option<f64>,
+    closing_2_n: Option<f64>,
+    closing_3_n: Option<f64>,
 }
 
 /// Reads a run's folder.
@@ -139,12 +149,16 @@ fn joined(force: &ForceLine, motion: &MotionLine) -> Result<Tick, String> {
         tension: [force.thread_n, motion.stitch_n],
         stitch_m: motion.stitch_m,
         gap_mm: [force.gap_mm, motion.gap_2_mm, motion.gap_3_mm],
+        step_mm: [motion.step_mm, motion.step_2_mm, motion.step_3_mm],
+        closing_n: [motion.closing_n, motion.closing_2_n, motion.closing_3_n],
     };
     let scalars = [tick.force, tick.side, tick.stitch_m];
     let numbers = scalars
         .iter()
         .chain(&tick.tension)
         .chain(&tick.gap_mm)
+        .chain(tick.step_mm.iter().flatten())
+        .chain(tick.closing_n.iter().flatten())
         .chain(&tick.position)
         .chain(&tick.turn.coords);
     if numbers.copied().all(f64::is_finite) {

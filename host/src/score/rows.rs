@@ -275,10 +275,17 @@ fn thread(recording: &Recording) -> Vec<Row> {
         let loaded = pulled.and_then(<[Tick]>::last);
         for stitch in 1..=stitches(recording) {
             let of = |tick: Option<&Tick>| tick.map(|tick| tick.gap_mm[stitch as usize - 1]);
-            for (kind, gap) in [(GAP_LOADED, of(loaded)), (GAP_LEFT, of(end))] {
+            let step = end.and_then(|end| end.step_mm[stitch as usize - 1]);
+            let closing = end.and_then(|end| end.closing_n[stitch as usize - 1]);
+            for (kind, value) in [
+                (GAP_LOADED, of(loaded)),
+                (GAP_LEFT, of(end)),
+                (STEP, step.map(f64::abs)),
+                (CLOSING, closing),
+            ] {
                 rows.push(Row {
                     stitch: Some(stitch),
-                    ..Row::new(kind, gap)
+                    ..Row::new(kind, value)
                 });
             }
         }

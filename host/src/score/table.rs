@@ -169,6 +169,18 @@ pub(super) const GAP_LOADED: Kind = kind(
     GAP,
 );
 pub(super) const GAP_LEFT: Kind = kind("residual gap", "mm", Some(Threshold::Within([-1.0, 1.0])), GAP);
+pub(super) const STEP: Kind = kind(
+    "step between the edges",
+    "mm",
+    None,
+    "level edges are taught (Medscape); no published threshold",
+);
+pub(super) const CLOSING: Kind = kind(
+    "force that holds the wound closed",
+    "N",
+    None,
+    "0.5 to 1.5 N computed, peaks of 1.1 to 3.2 N measured (Capek 2012); no published threshold",
+);
 pub(super) const THREAD_USED: Kind = kind(
     "thread in the stitch over the wound's length",
     "1",

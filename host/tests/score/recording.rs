@@ -62,7 +62,7 @@ impl Recording {
         let (half, quarter) = (-psi / 2.0, PI / 4.0);
         let (w, i) = (half.cos() * quarter.cos(), half.cos() * quarter.sin());
         let (j, k) = (half.sin() * quarter.cos(), -half.sin() * quarter.sin());
-        writeln!(self.motion, "{n},{w},{i},{j},{k},{side},{stitch},0.009,1").unwrap();
+        writeln!(self.motion, "{n},{w},{i},{j},{k},{side},{stitch},0.009,1,-0.4,0.7").unwrap();
     }
 
     pub(crate) fn puncture(&mut self, stitch: u32, site: &str, [x, y, z]: [f64; 3]) {
@@ -92,7 +92,7 @@ impl Recording {
         );
         put(
             "motion.csv",
-            "tick,qw,qx,qy,qz,side_n,stitch_n,stitch_m,stitch",
+            "tick,qw,qx,qy,qz,side_n,stitch_n,stitch_m,stitch,step_mm,closing_n",
             &self.motion,
         );
         put(

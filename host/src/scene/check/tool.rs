@@ -12,6 +12,7 @@ use crate::scene::operator::{Draw, Operator, Sew, Touch};
 use crate::scene::plan::Stitch;
 use crate::scene::skill::{Manner, Person, Skill};
 use crate::scene::source::Error;
+use crate::scene::suture::{self, Suture};
 
 /// Where a needle is held if the scene does not say: at the third next to its swage (BMC Med Educ 2021, table 3).
 const GRASP: f64 = 1.0 / 3.0;
@@ -247,16 +248,35 @@ impl Keys<'_> {
         let [shortest, _] = key::LINK.range;
         // Whole links, as near as may be to what is asked for.
         let links = (length / link).round().min((length / shortest + 1e-6).floor());
+        let suture = self.suture(thread)?;
         Ok(Some(scene::Thread {
             nodes: links as u16 + 1,
             link_m: metres(length / links),
-            axial_n: self.own(&key::AXIAL, thread.axial_n.as_ref())? as f32,
-            mass_kg_per_m: (self.own(&key::MASS, thread.mass_mg_per_m.as_ref())? * 1e-6) as f32,
+            axial_n: suture.axial_n as f32,
+            mass_kg_per_m: (suture.mass_mg_per_m * 1e-6) as f32,
             damping_per_s: self.own(&key::DAMPING, thread.damping_per_s.as_ref())? as f32,
             penalty_n_per_m: self.own(&key::THREAD_PENALTY, thread.penalty_n_per_m.as_ref())? as f32,
             friction: self.own(&key::THREAD_FRICTION, thread.friction.as_ref())? as f32,
             knot_hold_n: self.own(&key::KNOT_HOLD, thread.knot_hold_n.as_ref())? as f32,
         }))
+    }
+
+    /// Stiffness and mass, by a suture's name or by themselves.
+    fn suture(&self, thread: &file::Thread) -> Result<Suture, Error> {
+        let (axial, mass) = (&thread.axial_n, &thread.mass_mg_per_m);
+        match &thread.kind {
+            Some(name) if axial.is_none() && mass.is_none() => suture::named(name.get_ref()).ok_or_else(|| {
+                let what = format!("thread.kind = \"{}\": right is {}", name.get_ref(), suture::names());
+                self.source.fault(name.span(), what)
+            }),
+            Some(name) => Err(self
+                .source
+                .fault(name.span(), "[thread] has either kind, or axial_n and mass_mg_per_m")),
+            None => Ok(Suture {
+                axial_n: self.own(&key::AXIAL, axial.as_ref())?,
+                mass_mg_per_m: self.own(&key::MASS, mass.as_ref())?,
+            }),
+        }
     }
 
     pub(super) fn operator(&self, file: &File) -> Result<Operator, Error> {
