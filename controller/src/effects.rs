@@ -114,6 +114,7 @@ pub const fn row(effect: Effect) -> &'static Row {
         skin_tension,
         thread_friction,
         knot,
+        tearing,
     ] = &TABLE;
     match effect {
         Effect::Gravity => gravity,
@@ -129,11 +130,12 @@ pub const fn row(effect: Effect) -> &'static Row {
         Effect::SkinTension => skin_tension,
         Effect::ThreadFriction => thread_friction,
         Effect::Knot => knot,
+        Effect::Tearing => tearing,
     }
 }
 
 /// Every effect, in the order of [`Effect::ALL`].
-pub const TABLE: [Row; 13] = [
+pub const TABLE: [Row; 14] = [
     Row {
         effect: Effect::Gravity,
         simulates: "the thread's weight",
@@ -300,6 +302,18 @@ pub const TABLE: [Row; 13] = [
         asks: &[],
         section: None,
         keys: &[key::KNOT_HOLD],
+    },
+    Row {
+        effect: Effect::Tearing,
+        simulates: "a thread that pulls harder than the tissue bears cuts its way, as far as the wound's edge",
+        parts: &[Part::Force],
+        state: "how far it has cut",
+        bytes: size_of::<f32>(),
+        bytes_per_node: 0,
+        needs: Some(Effect::Thread),
+        asks: &[],
+        section: None,
+        keys: &[key::STRENGTH],
     },
 ];
 

@@ -22,6 +22,7 @@ pub mod safety;
 pub mod solver;
 pub mod stage;
 pub mod surface;
+pub mod tear;
 pub mod thread;
 pub mod tick;
 pub mod tissue;

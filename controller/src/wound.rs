@@ -142,6 +142,17 @@ impl Faces {
         if p.x < middle { Side::Left } else { Side::Right }
     }
 
+    /// x of a face where no node has moved [m].
+    #[must_use]
+    pub fn face<const N: usize>(&self, lattice: &Lattice<N>, side: Side) -> f32 {
+        let ([left, right], [origin, ..]) = (self.rims.columns, lattice.origin);
+        let column = match side {
+            Side::Left => left,
+            Side::Right => right,
+        };
+        origin + column as f32 * lattice.pitch
+    }
+
     /// Node columns of a side, its face among them.
     #[must_use]
     pub const fn columns(&self, side: Side) -> RangeInclusive<u32> {
@@ -259,6 +270,10 @@ mod tests {
         let (mut lattice, mut tissue) = (Lattice::<N>::zeroed(), Tissue::<N>::zeroed());
         (lattice.nodes, lattice.pitch, lattice.origin) = ([4, 3, 2], 2e-3, [0.0, -2e-3, 0.0]);
         lattice.mass.fill(1.0);
+        let layer = lattice.layer() as u32;
+        for (column, top) in (1..).zip(lattice.top.iter_mut().take(12)) {
+            *top = layer + column;
+        }
         for j in 0..3 {
             let node = lattice.index([2, j, 1]);
             let [x, _, z] = &mut tissue.displacement;
@@ -274,6 +289,11 @@ mod tests {
             a_m: [0.0, 5e-4],
             count: 1,
             spacing_m: 0.0,
+            f0_n: [1.0; 4],
+            under_m: 0.0,
+            friction_n_per_m: 0.0,
+            cutting_n: 0.0,
+            tension_gain: 0.0,
         };
         let faces = faces(&wound, Some(&stitch), &lattice).unwrap();
         let near = |a: f32, b: f32| (a - b).abs() < 1e-9;

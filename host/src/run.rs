@@ -166,6 +166,7 @@ fn report(request: &Request, built: &build::Built, session: Session) -> Report {
         } else {
             Vec::new()
         },
+        torn_mm: built.scene.effects.has(Effect::Tearing).then(|| log.torn()),
         force_n: log.peaks(),
         saturated_ticks: log.saturated(),
         faults: Fault::ALL

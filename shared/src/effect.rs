@@ -33,11 +33,13 @@ pub enum Effect {
     ThreadFriction = 1 << 11,
     /// The thread is tied at the end; without it nothing holds it when it is let go.
     Knot = 1 << 12,
+    /// A thread that pulls harder than the tissue bears cuts its way through it.
+    Tearing = 1 << 14,
 }
 
 impl Effect {
     /// Every effect, in the order of its bit.
-    pub const ALL: [Self; 13] = [
+    pub const ALL: [Self; 14] = [
         Self::Gravity,
         Self::Stiffening,
         Self::SpringDamping,
@@ -51,6 +53,7 @@ impl Effect {
         Self::SkinTension,
         Self::ThreadFriction,
         Self::Knot,
+        Self::Tearing,
     ];
 
     /// The name a scene file uses.
@@ -70,6 +73,7 @@ impl Effect {
             Self::SkinTension => "skin-tension",
             Self::ThreadFriction => "thread-friction",
             Self::Knot => "knot",
+            Self::Tearing => "tearing",
         }
     }
 }

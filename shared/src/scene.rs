@@ -95,6 +95,8 @@ pub enum Body {
         curve: Vec<Segment, SEGMENTS_MAX>,
         /// Thickness of a sheet over that of its voxel layers, else 1: scales stiffness in the plane (0, 2].
         sheet: f32,
+        /// Pull of a thread along the skin at which it cuts through [N]; used by effect `tearing`.
+        strength_n: f32,
     },
 }
 

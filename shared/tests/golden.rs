@@ -102,6 +102,7 @@ fn largest_scene_fits() {
         body: Body::Soft {
             curve: core::iter::repeat_n(segment, SEGMENTS_MAX).collect(),
             sheet: 1.0,
+            strength_n: 20.0,
         },
         ..scene.tissues[0]
     };

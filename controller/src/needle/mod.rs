@@ -101,4 +101,15 @@ impl State {
             Site::D => d,
         }
     }
+
+    /// The same, to be changed.
+    pub const fn at_mut(&mut self, site: Site) -> &mut Passage {
+        let [a, b, c, d] = &mut self.sites;
+        match site {
+            Site::A => a,
+            Site::B => b,
+            Site::C => c,
+            Site::D => d,
+        }
+    }
 }

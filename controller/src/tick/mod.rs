@@ -106,8 +106,18 @@ impl<'m, const N: usize> Controller<'m, N> {
         };
         let solver = Choice::new(scene.solver, &alone, work)?;
         work.clear();
-        let params = Params::new(scene, (material, solver), lattice, tissue)?;
-        self.running = Some((params, State::default()));
+        let params = Params::new((scene, cells), (material, solver), lattice, tissue)?;
+        let sewn = Sewn {
+            tail: params.tail,
+            ..Sewn::default()
+        };
+        self.running = Some((
+            params,
+            State {
+                sewn,
+                ..State::default()
+            },
+        ));
         Ok(())
     }
 
@@ -159,6 +169,7 @@ impl<'m, const N: usize> Controller<'m, N> {
         // force
         let grip = needle::settle(&params.needle, &mut state.needle, &arc, (&holds, &moved), tissue);
         state.pull = sewing::relax(params, state, &moved, (lattice, load), &mut self.thread_work);
+        sewing::tear(params, state, &params.body(lattice, tissue));
         let simulated = grip.force + state.pull.direction * state.pull.tension;
 
         // safety: every force leaves through here
@@ -201,7 +212,7 @@ impl<'m, const N: usize> Controller<'m, N> {
             }
         }
         hasher.vector(Vec3::new(tissue.balance.caution, 0.0, 0.0));
-        for point in &state.sewn.points {
+        for point in [&state.sewn.tail].into_iter().chain(&state.sewn.points) {
             hasher.vector(point.rest);
         }
         for site in &state.needle.sites {

@@ -9,6 +9,7 @@ use crate::needle::{self, Body, Point};
 use crate::safety;
 use crate::solver::{Choice, Problem, Refused};
 use crate::surface::{self, Bridge};
+use crate::tear;
 use crate::thread;
 use crate::tissue;
 use crate::wound::{self, Faces, Gap};
@@ -62,7 +63,9 @@ pub(super) struct Params {
     pub(super) solver: Choice,
     pub(super) needle: needle::Params,
     pub(super) thread: Option<thread::Params>,
-    /// Where the thread's tail is held.
+    /// What the tissue bears of the thread; nothing without effect `tearing`.
+    pub(super) tear: Option<tear::Params>,
+    /// Where the thread's tail is held at first.
     pub(super) tail: Point,
     /// How many stitches there are.
     pub(super) stitches: usize,
@@ -114,7 +117,7 @@ impl Params {
     }
 
     pub(super) fn new<const N: usize>(
-        scene: &Scene,
+        (scene, cells): (&Scene, &[u8]),
         (material, solver): (Material, Choice),
         lattice: &Lattice<N>,
         tissue: &Tissue<N>,
@@ -141,6 +144,7 @@ impl Params {
             solver,
             needle,
             thread,
+            tear: tear::Params::new(scene, cells),
             tail,
             stitches,
             bridge: scene.wound.as_ref().map(|wound| Bridge {

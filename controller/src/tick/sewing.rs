@@ -4,11 +4,12 @@ use super::State;
 use super::params::Params;
 use crate::coupling::{A, Coupling, D, POINTS, PUNCTURES, SEWN, TAIL};
 use crate::lattice::{Field, Lattice, Tissue};
-use crate::math::Vec3;
-use crate::needle::{self, Arc, Passage, Point};
+use crate::math::{DT, Vec3};
+use crate::needle::{self, Arc, Body, Passage, Point};
 use crate::record::Sample;
 use crate::stage::{self, Signs};
 use crate::surface::{self, Bridge};
+use crate::tear;
 use crate::thread::{self, Ends, Ground, Pull, Touch};
 use sutura_shared::scene::{Site, Stage};
 
@@ -21,10 +22,14 @@ const RUNS_THROUGH: [(Site, usize); 2] = [(Site::A, A), (Site::D, D)];
 /// The stitches before this one.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Sewn {
+    /// Where the thread's tail is held.
+    pub(super) tail: Point,
     /// How many there are.
     pub(super) stitches: usize,
     /// Where the thread runs through the tissue, in order from its tail, which is at site a of the first.
     pub(super) points: heapless::Vec<Point, { PUNCTURES - D }>,
+    /// How far the thread has cut through the tissue, at all punctures together [m]; effect `tearing`.
+    pub(super) torn: f32,
 }
 
 /// The stage after this tick; a new stitch begins with all its sites ahead.
@@ -50,18 +55,22 @@ pub(super) fn advance(params: &Params, state: &mut State, sample: &Sample) {
 
 /// The points that the thread runs through so far in a stitch with so many `before` it, each with its slot.
 fn under_way(before: usize, needle: &needle::State) -> impl Iterator<Item = (usize, &Point)> {
-    // Site a of the first stitch holds the tail.
-    let sites = RUNS_THROUGH.into_iter().skip(usize::from(before == 0));
-    sites.map_while(|(site, slot)| match needle.at(site) {
+    runs_through(before).map_while(|(site, slot)| match needle.at(site) {
         Passage::Passed(point) => Some((slot, point)),
         _ => None,
     })
 }
 
+/// The punctures of a stitch with so many `before` it that the thread runs through after its tail.
+fn runs_through(before: usize) -> impl Iterator<Item = (Site, usize)> {
+    // Site a of the first stitch holds the tail.
+    RUNS_THROUGH.into_iter().skip(usize::from(before == 0))
+}
+
 /// The points that hold the thread, in its order, each with its slot.
-fn held<'a>(params: &'a Params, sewn: &'a Sewn, needle: &'a needle::State) -> impl Iterator<Item = (usize, &'a Point)> {
+fn held<'a>(sewn: &'a Sewn, needle: &'a needle::State) -> impl Iterator<Item = (usize, &'a Point)> {
     let sewn_points = (SEWN..).zip(&sewn.points);
-    [(TAIL, &params.tail)]
+    [(TAIL, &sewn.tail)]
         .into_iter()
         .chain(sewn_points)
         .chain(under_way(sewn.stitches, needle))
@@ -76,12 +85,12 @@ pub(super) fn strain<const N: usize>(
     (work, coupling): (&mut thread::Work, &mut Coupling),
 ) {
     let Some(thread) = &params.thread else { return };
-    let tail = params.tail.predicted(tissue);
+    let tail = state.sewn.tail.predicted(tissue);
     let laid = || thread::State::laid(thread, arc.swage(), tail, Vec3::y());
     let run = state.thread.get_or_insert_with(laid);
     let mut slots = [0; POINTS];
     let mut eyelets = [Vec3::zeros(); PUNCTURES];
-    for (index, (slot, point)) in held(params, &state.sewn, &state.needle).enumerate() {
+    for (index, (slot, point)) in held(&state.sewn, &state.needle).enumerate() {
         if let (Some(kernel), Some(place)) = (coupling.kernels.get_mut(slot), slots.get_mut(index)) {
             (*kernel, *place) = (point.kernel, slot);
         }
@@ -130,7 +139,7 @@ pub(super) fn relax<const N: usize>(
         return Pull::default();
     };
     let mut ends = [Vec3::zeros(); POINTS];
-    for (end, (slot, _)) in ends.iter_mut().zip(held(params, &state.sewn, &state.needle)) {
+    for (end, (slot, _)) in ends.iter_mut().zip(held(&state.sewn, &state.needle)) {
         *end = moved[slot];
     }
     let pull = thread::settle(thread, run, work, &ends);
@@ -142,6 +151,34 @@ pub(super) fn relax<const N: usize>(
         }
     }
     pull
+}
+
+/// Lets the thread cut its way where the tissue does not bear it: in each tick at one puncture, in turn, for the time since its last turn.
+pub(super) fn tear<const N: usize>(params: &Params, state: &mut State, body: &Body<'_, N>) {
+    let (Some(tear), Some(run)) = (&params.tear, &state.thread) else {
+        return;
+    };
+    let turns = run.course.count + 1;
+    let turn = state.tick as usize % turns;
+    let (point, pull) = (point(&mut state.sewn, &mut state.needle, turn), run.load.get(turn));
+    if let (Some(point), Some(pull)) = (point, pull) {
+        state.sewn.torn += tear::advance(tear, point, (*pull, turns as f32 * DT), body);
+    }
+}
+
+/// The point that holds the thread at `index` of [`held`].
+fn point<'a>(sewn: &'a mut Sewn, needle: &'a mut needle::State, index: usize) -> Option<&'a mut Point> {
+    let Some(eyelet) = index.checked_sub(1) else {
+        return Some(&mut sewn.tail);
+    };
+    let Some(of_stitch) = eyelet.checked_sub(sewn.points.len()) else {
+        return sewn.points.get_mut(eyelet);
+    };
+    let (site, _) = runs_through(sewn.stitches).nth(of_stitch)?;
+    match needle.at_mut(site) {
+        Passage::Passed(point) => Some(point),
+        _ => None,
+    }
 }
 
 /// The skin as the thread's ground.

@@ -72,4 +72,10 @@ impl<const N: usize> Controller<'_, N> {
         }
         closing
     }
+
+    /// How far the thread has cut through the tissue, at all punctures together [m]; effect `tearing`.
+    #[must_use]
+    pub fn torn(&self) -> f32 {
+        self.running.as_ref().map_or(0.0, |(_, state)| state.sewn.torn)
+    }
 }

@@ -132,7 +132,7 @@ fn parts(scene: &Scene, material: &mut Material) -> Result<[Option<Part>; scene:
     for (part, tissue) in parts.iter_mut().zip(&scene.tissues) {
         let springs = match &tissue.body {
             Body::Fixed => None,
-            Body::Soft { curve, sheet } => {
+            Body::Soft { curve, sheet, .. } => {
                 let curve = Curve::new(curve, stiffness);
                 // Without stiffening every spring is linear, so one slot holds them all.
                 let slot = if material.stiffening { soft } else { 0 };

@@ -47,6 +47,7 @@ pub(crate) fn stiffening(segments: &[(f32, f32)]) -> scene::Tissue {
         body: Body::Soft {
             curve: curve.collect(),
             sheet: 1.0,
+            strength_n: 0.0,
         },
     }
 }

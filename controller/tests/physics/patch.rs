@@ -197,6 +197,7 @@ fn sheet(thickness: f32) -> Scene {
         body: Body::Soft {
             curve,
             sheet: thickness,
+            strength_n: 0.0,
         },
     };
     scene([4, 3, 1], Law::Isotropic, &[tissue], &[])

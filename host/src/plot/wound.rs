@@ -30,6 +30,7 @@ type Drawn<DB> = Result<(), DrawingAreaErrorKind<<DB as DrawingBackend>::ErrorTy
 fn whole<DB: DrawingBackend>(root: &DrawingArea<DB, Shift>, log: &Log) -> Drawn<DB> {
     root.fill(&WHITE)?;
     let title = "The wound along its length, before the first stitch and at the end";
+    let root = root.margin(16, 0, 0, 0);
     let root = root.titled(title, (FONT, 34).into_font().color(&INK))?;
     let (above, below) = root.split_vertically((55).percent_height());
     let panels: [(&str, Quantity); 2] = [

@@ -101,7 +101,7 @@ fn force(file: &mut BufWriter<std::fs::File>, log: &Log) -> io::Result<()> {
 fn motion(file: &mut BufWriter<std::fs::File>, log: &Log) -> io::Result<()> {
     write!(
         file,
-        "tick,qw,qx,qy,qz,side_n,stitch_n,stitch_m,stitch,step_mm,closing_n"
+        "tick,qw,qx,qy,qz,side_n,stitch_n,stitch_m,stitch,torn_mm,step_mm,closing_n"
     )?;
     for stitch in 2..=log.stitches {
         write!(file, ",gap_{stitch}_mm,step_{stitch}_mm,closing_{stitch}_n")?;
@@ -115,10 +115,15 @@ fn motion(file: &mut BufWriter<std::fs::File>, log: &Log) -> io::Result<()> {
             stitch_m,
             step_m,
             closing_n,
+            torn_m,
             ..
         } = motion;
         let (number, stitch) = (tick.tick, tick.stitch);
-        write!(file, "{number},{w},{x},{y},{z},{side_n},{stitch_n},{stitch_m},{stitch}")?;
+        write!(
+            file,
+            "{number},{w},{x},{y},{z},{side_n},{stitch_n},{stitch_m},{stitch},{}",
+            torn_m * 1e3
+        )?;
         let stitches = tick
             .gap_m
             .iter()

@@ -54,6 +54,12 @@ impl Log {
         self.last_motion(|motion, stitch| motion.closing_n[stitch])
     }
 
+    /// How far the thread has cut through the tissue [mm].
+    #[must_use]
+    pub fn torn(&self) -> f32 {
+        self.motion.last().map_or(0.0, |motion| motion.torn_m * 1e3)
+    }
+
     fn last_motion(&self, of: impl Fn(&Motion, usize) -> f32) -> Vec<f32> {
         let last = self.motion.last();
         last.map_or_else(Vec::new, |motion| {

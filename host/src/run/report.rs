@@ -44,6 +44,9 @@ impl Display for Report {
             )?;
         }
         self.gaps(f)?;
+        if let Some(torn) = self.torn_mm {
+            writeln!(f, "the thread has cut {torn:.2} mm through the tissue")?;
+        }
         if !self.faults.is_empty() {
             writeln!(f, "faults: {}", self.faults.join(", "))?;
         }
@@ -162,6 +165,9 @@ pub struct Report {
     pub wound_step_mm: Vec<f32>,
     /// Force with which the thread draws the wound together at the end, at each stitch [N].
     pub closing_n: Vec<f32>,
+    /// How far the thread has cut through the tissue [mm]; effect `tearing`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub torn_mm: Option<f32>,
     /// Largest forces.
     pub force_n: Peaks,
     /// Ticks in which the device's limit shortened the force.

@@ -28,6 +28,8 @@ pub struct Motion {
     pub step_m: [f32; STITCHES_MAX],
     /// Force with which the thread draws the wound together at each stitch [N].
     pub closing_n: [f32; STITCHES_MAX],
+    /// How far the thread has cut through the tissue [m]; effect `tearing`.
+    pub torn_m: f32,
 }
 
 /// What was seen after one tick.
@@ -136,6 +138,7 @@ fn motion(rig: &PcRig<'_>, output: &Output) -> Motion {
             .wound()
             .map_or([0.0; STITCHES_MAX], |(_, stitches)| stitches.map(|edges| edges.step)),
         closing_n: controller.closing(),
+        torn_m: controller.torn(),
     }
 }
 

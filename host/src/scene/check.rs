@@ -224,7 +224,7 @@ mod tests {
         assert_eq!((thread.nodes, thread.link_m, thread.mass_kg_per_m), (24, 0.005, 43e-6));
         // 1.2 mm of skin in voxels of 2 mm; R = L/θ: a half circle of 26 mm has R = 8.276 mm.
         assert!(matches!(plan.tool, scene::Tool::Needle { radius_m, .. } if (radius_m - 8.276e-3).abs() < 1e-6));
-        let Body::Soft { curve, sheet } = &plan.tissues[0].body.body else {
+        let Body::Soft { curve, sheet, .. } = &plan.tissues[0].body.body else {
             panic!("skin is soft")
         };
         assert!((sheet - 0.6).abs() < 1e-6);

@@ -100,6 +100,8 @@ pub struct Tissue {
     pub slopes_kpa: Option<Spanned<Vec<Number>>>,
     /// Strains between the slopes; effect `stiffening`.
     pub breaks_percent: Option<Spanned<Vec<Number>>>,
+    /// Pull of a thread at which it cuts through; effect `tearing`.
+    pub strength_n: Option<Number>,
     /// Thickness of the layer under the outer surface that this tissue is; one soft tissue.
     pub thickness_mm: Option<Number>,
     /// Its surface; not with a phantom.

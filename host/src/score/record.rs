@@ -38,6 +38,8 @@ pub(super) struct Tick {
     pub(super) tension: [f64; 2],
     /// Thread between the punctures [m].
     pub(super) stitch_m: f64,
+    /// How far the thread has cut through the tissue [mm].
+    pub(super) torn_mm: Option<f64>,
     /// Width of the wound at each stitch [mm]; of no meaning beyond the scene's last.
     pub(super) gap_mm: [f64; STITCHES_MAX],
     /// How much higher the right edge stands, at each stitch [mm]; none beyond the scene's last.
@@ -92,6 +94,7 @@ struct MotionLine {
     gap_2_mm: f64,
     #[serde(default)]
     gap_3_mm: f64,
+    torn_mm: Option<f64>,
     step_mm: Option<f64>,
     step_2_mm: Option<f64>,
     step_3_mm: Option<f64>,
@@ -149,6 +152,7 @@ fn joined(force: &ForceLine, motion: &MotionLine) -> Result<Tick, String> {
         tension: [force.thread_n, motion.stitch_n],
         stitch_m: motion.stitch_m,
         gap_mm: [force.gap_mm, motion.gap_2_mm, motion.gap_3_mm],
+        torn_mm: motion.torn_mm,
         step_mm: [motion.step_mm, motion.step_2_mm, motion.step_3_mm],
         closing_n: [motion.closing_n, motion.closing_2_n, motion.closing_3_n],
     };
@@ -157,6 +161,7 @@ fn joined(force: &ForceLine, motion: &MotionLine) -> Result<Tick, String> {
         .iter()
         .chain(&tick.tension)
         .chain(&tick.gap_mm)
+        .chain(&tick.torn_mm)
         .chain(tick.step_mm.iter().flatten())
         .chain(tick.closing_n.iter().flatten())
         .chain(&tick.position)

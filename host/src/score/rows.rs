@@ -45,6 +45,9 @@ pub(super) fn rows(recording: &Recording) -> Vec<Row> {
     if has(Effect::Thread) {
         rows.extend(thread(recording));
     }
+    if has(Effect::Tearing) {
+        rows.push(Row::new(TORN, recording.ticks.last().and_then(|last| last.torn_mm)));
+    }
     let way = recording
         .ticks
         .windows(2)

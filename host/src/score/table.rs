@@ -181,6 +181,12 @@ pub(super) const CLOSING: Kind = kind(
     None,
     "0.5 to 1.5 N computed, peaks of 1.1 to 3.2 N measured (Capek 2012); no published threshold",
 );
+pub(super) const TORN: Kind = kind(
+    "tissue cut by the thread",
+    "mm",
+    None,
+    "the size of tears tells experts from novices (Kazemi 2010); no published threshold",
+);
 pub(super) const THREAD_USED: Kind = kind(
     "thread in the stitch over the wound's length",
     "1",
@@ -218,7 +224,7 @@ const DETAIL: &str = "part of what is scored beside it";
 const LITTLE: &str = "says little alone (R = 0.35 with experts' ratings, time and path together)";
 
 /// What counts. 3: what a stitch is for, and what separates experts from novices; 2: what harms or is scored by itself; 1: the rest.
-pub(super) const MARKS: [Mark; 18] = [
+pub(super) const MARKS: [Mark; 19] = [
     mark(ENTRY_ANGLE, 3.0, 15.0, Miss::BelowBest, TAUGHT),
     mark(EXIT_ANGLE, 3.0, 15.0, Miss::BelowBest, TAUGHT),
     mark(BITE_IN, 2.0, 1.0, Miss::Outside(BITE_MM), CHECKLIST),
@@ -234,6 +240,7 @@ pub(super) const MARKS: [Mark; 18] = [
     mark(ABOVE_NOVICE, 2.0, 0.5, Miss::Size, HARM),
     mark(ROUGHNESS, 1.0, 20.0, Miss::Size, "tells skill beside peak and range"),
     mark(THREAD_PEAK, 2.0, 4.04, Miss::Size, HARM),
+    mark(TORN, 2.0, 1.0, Miss::Size, HARM),
     mark(GAP_LEFT, 3.0, 1.0, Miss::Size, PURPOSE),
     mark(PATH, 1.0, 1.0, Miss::Size, LITTLE),
     mark(TIME, 1.0, 112.0, Miss::Size, LITTLE),

@@ -159,6 +159,7 @@ fn tissue(spec: &Spec) -> scene::Tissue {
         body: Body::Soft {
             curve: curve.collect(),
             sheet: 1.0,
+            strength_n: 0.0,
         },
     }
 }

@@ -84,6 +84,7 @@ impl Scene {
             (Effect::ThreadContact, Effect::Thread, "thread for thread-contact"),
             (Effect::ThreadFriction, Effect::Thread, "thread for thread-friction"),
             (Effect::Knot, Effect::Thread, "thread for knot"),
+            (Effect::Tearing, Effect::Thread, "thread for tearing"),
         ];
         needs
             .into_iter()
@@ -170,7 +171,12 @@ impl Tissue {
             &(1.0..=1e5, "1 to 1e5 kg/m3"),
             "tissue.density_kg_m3",
         )?;
-        let Body::Soft { curve, sheet } = &self.body else {
+        let Body::Soft {
+            curve,
+            sheet,
+            strength_n,
+        } = &self.body
+        else {
             return Ok(());
         };
         require(
@@ -197,7 +203,8 @@ impl Tissue {
             "tissue.curve.slope_pa",
             "slopes that do not decrease",
         )?;
-        within(*sheet, &(1e-3..=2.0, "1e-3 to 2"), "tissue.sheet")
+        within(*sheet, &(1e-3..=2.0, "1e-3 to 2"), "tissue.sheet")?;
+        within(*strength_n, &(0.0..=1e4, "0 to 1e4 N"), "tissue.strength_n")
     }
 }
 

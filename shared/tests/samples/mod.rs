@@ -206,6 +206,7 @@ fn tissues() -> Vec<Tissue, TISSUES_MAX> {
         tissue(Body::Soft {
             curve: Vec::from_slice(&[segment(0.0, 281e3), segment(0.3, 1.7e6), segment(0.6, 3.66e6)]).unwrap(),
             sheet: 0.75,
+            strength_n: 20.0,
         }),
     ])
     .unwrap()

@@ -8,7 +8,7 @@ use super::{Source, Violation, text};
 const FOLDER: &str = "controller/src/";
 
 /// The floors, from the bottom. Every module below [`FOLDER`] stands on one.
-const FLOORS: [&[&str]; 15] = [
+const FLOORS: [&[&str]; 16] = [
     // Plain arithmetic.
     &["math"],
     &["hash", "lanes"],
@@ -24,6 +24,8 @@ const FLOORS: [&[&str]; 15] = [
     &["solver"],
     // Behaviour: free functions (params, state, inputs) → record.
     &["needle", "thread", "tissue", "contact", "force", "safety"],
+    // What a thread does to tissue that its punctures lie in.
+    &["tear"],
     // What a scene may call for of all that, and what it takes.
     &["effects"],
     // Read off all of them: where a stitch is.

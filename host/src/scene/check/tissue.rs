@@ -211,6 +211,7 @@ impl Keys<'_> {
             body: Body::Soft {
                 curve: self.curve(slopes, tissue.breaks_percent.as_ref())?,
                 sheet: sheet as f32,
+                strength_n: self.own(&key::STRENGTH, tissue.strength_n.as_ref())? as f32,
             },
         })
     }

@@ -14,10 +14,12 @@ pub fn without(scene: &Scene, effect: Effect) -> Scene {
     scene.effects = Effects(scene.effects.0 & !(effect as u32));
     match effect {
         Effect::Gravity | Effect::Barrier => {}
-        Effect::Stiffening => {
+        Effect::Stiffening | Effect::Tearing => {
             for tissue in &mut scene.tissues {
-                if let Body::Soft { curve, .. } = &mut tissue.body {
-                    curve.truncate(1);
+                match &mut tissue.body {
+                    Body::Soft { curve, .. } if effect == Effect::Stiffening => curve.truncate(1),
+                    Body::Soft { strength_n, .. } => *strength_n = 0.0,
+                    Body::Fixed => {}
                 }
             }
         }

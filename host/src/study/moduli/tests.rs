@@ -138,6 +138,7 @@ fn mixed(voxels: [u32; 3], law: Law, cells: &[u8]) -> Probe {
                 })
                 .collect(),
                 sheet: 1.0,
+                strength_n: 0.0,
             },
         })
         .collect();

@@ -130,6 +130,7 @@ pub(super) fn tissue(stuff: Stuff, slopes: &[(f32, f32)]) -> Tissue {
         body: Body::Soft {
             curve: curve.collect(),
             sheet: 1.0,
+            strength_n: 0.0,
         },
     }
 }
