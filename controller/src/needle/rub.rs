@@ -1,5 +1,8 @@
 //! Friction of the shaft and the force of the cutting tip, by position alone (Hayward & Armstrong 2000): a spring from where the shaft
 //! adheres, which gives way at the limit. Below the limit nothing moves on, so nothing drifts.
+//!
+//! One limit holds and drags, Fs = Fc. Drawn at v₀ through a spring k, what sticks and slips does so with the period 2 (Fs − Fc)/(k v₀), or
+//! half of that overdamped: here it is none. The force rises to the limit and stays there.
 
 use super::{Hole, Params, Passage, State};
 
@@ -112,6 +115,40 @@ mod tests {
             }
         }
         assert_eq!(hole.adhesion.to_bits(), from.to_bits());
+    }
+
+    /// Drawn at v₀ through the coupling as the tick does it, a tool without mass: B ṗ + (K + σ₀) p = −σ₀ v₀ t has it trail by
+    /// p = −σ₀ v₀/(K + σ₀) (t − τ), τ = B/(K + σ₀), whatever the step of backward Euler. So F = σ₀ v₀ (K t + σ₀ τ)/(K + σ₀) until the limit
+    /// f L = 0.2 N, and that from then on.
+    #[test]
+    fn drawn_at_an_even_speed_it_slips_without_sticking() {
+        let Params { stiffness: k, rate, .. } = PARAMS;
+        let tau = 1e-3 * rate / (2.0 * k);
+        for speed in [1e-3_f32, 4e-3, -4e-3] {
+            let mut hole = hole(10e-3);
+            let slips = (0.4 / speed.abs() - k * tau) / k;
+            let (mut offset, mut slipped) = (0.0_f32, 0);
+            for tick in 1..=2000 {
+                let time = 1e-3 * tick as f32;
+                let rub = rub(&PARAMS, &mut hole, 10e-3 + speed * time + offset, SHAFT);
+                let drawn = -(k * offset + rub.force) / (k + rate + rub.stiffness);
+                let force = rub.force + rub.stiffness * drawn;
+                offset += drawn;
+                let (expected, within) = if time > slips + 1e-3 {
+                    slipped += 1;
+                    (0.2_f32.copysign(speed), 1e-6)
+                } else {
+                    (0.5 * k * speed * (time + tau), 2e-5)
+                };
+                // The tool starts at a jerk, which is over within a few ticks; and in the tick in which it begins to slip it may do either.
+                let counts = tick > 10 && (time - slips).abs() > 2e-3;
+                assert!(
+                    !counts || (force - expected).abs() < within,
+                    "{speed} m/s at {time} s: {force} N of {expected} N"
+                );
+            }
+            assert!(slipped > 1400, "{slipped}");
+        }
     }
 
     /// Over any closed loop the hand pays: a swing of four reaches dissipates the limit times the way that slips, 2·(2·1 mm − 2·0.25 mm).
