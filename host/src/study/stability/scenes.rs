@@ -8,12 +8,13 @@ mod felt;
 mod needle;
 mod patch;
 mod run;
+mod thread;
 mod wound;
 
 use super::case::Case;
 
 /// All of them.
 pub(super) fn cases() -> Vec<Case> {
-    let all = [needle::cases(), wound::cases(), device::cases()];
+    let all = [needle::cases(), thread::cases(), wound::cases(), device::cases()];
     all.into_iter().flatten().collect()
 }

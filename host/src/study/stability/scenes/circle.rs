@@ -42,6 +42,14 @@ impl Circle {
         }
     }
 
+    /// The same at another y of the skin [m].
+    pub(super) fn beside(&self, y: f32) -> Self {
+        Self {
+            centre: Vec3::new(self.centre.x, y, self.centre.z),
+            ..*self
+        }
+    }
+
     /// Turn that takes the tip along by `way` [rad].
     pub(super) fn turn(&self, way: f32) -> f32 {
         way / self.radius

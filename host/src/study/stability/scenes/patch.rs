@@ -15,6 +15,8 @@ use crate::study::stability::setting::Curve;
 const SIZE_MM: [f64; 3] = [24.0, 16.0, 10.0];
 /// Length of the wound [mm]: rims at both of its ends.
 const WOUND_MM: f64 = 10.0;
+/// How far the wound's edges are undermined [voxels]: a puncture is two from the wound.
+const UNDERMINED: usize = 3;
 /// Radius of the ball [m], as of the scene that is stroked.
 pub(super) const BALL_M: f32 = 3e-3;
 
@@ -25,6 +27,38 @@ type Piece = OnceLock<Result<Built, String>>;
 pub(super) fn sewn(attempt: &Attempt<'_>) -> Result<(Scene, Vec<u8>), Unfinished> {
     static PIECE: Piece = OnceLock::new();
     under(attempt, PIECE.get_or_init(|| piece(|_| {})))
+}
+
+/// The same with three stitches close together, and a thread of 200 links as long as the scene has them, 5 mm. With links of 2 or 3 mm the case
+/// fails: a slack thread so finely divided tugs at the skin.
+pub(super) fn long(attempt: &Attempt<'_>) -> Result<(Scene, Vec<u8>), Unfinished> {
+    let (mut scene, cells) = sewn(attempt)?;
+    if let (Some(stitch), Some(thread)) = (&mut scene.stitch, &mut scene.thread) {
+        (stitch.count, stitch.spacing_m) = (3, 3e-3);
+        stitch.a_m[1] = -stitch.spacing_m;
+        thread.nodes = 201;
+    }
+    Ok((scene, cells))
+}
+
+/// The same with both edges of the wound undermined as far as the muscle is open, to beyond the punctures: a layer of skin is left, one voxel
+/// thick.
+pub(super) fn undermined(attempt: &Attempt<'_>) -> Result<(Scene, Vec<u8>), Unfinished> {
+    let (scene, mut cells) = sewn(attempt)?;
+    let Some(wound) = scene.wound else {
+        return Err(Unfinished::Built("there is no wound to undermine"));
+    };
+    let [nx, ny, _] = scene.lattice.cells.map(usize::from);
+    let [left, right] = wound.faces.map(usize::from);
+    let columns = left.saturating_sub(UNDERMINED)..right + UNDERMINED;
+    let rows = usize::from(wound.rows[0])..usize::from(wound.rows[1]);
+    for (n, cell) in cells.iter_mut().enumerate() {
+        let [i, j, k] = [n % nx, n / nx % ny, n / (nx * ny)];
+        if *cell > 1 && columns.contains(&i) && rows.contains(&j) && k >= usize::from(wound.floor) {
+            *cell = 0;
+        }
+    }
+    Ok((scene, cells))
 }
 
 /// A ball tip instead of them; and the cells.

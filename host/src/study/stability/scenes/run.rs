@@ -1,11 +1,11 @@
 //! One scene under way: where the tool is, tick by tick, and what is seen of it.
 
-use sutura_controller::lattice::PC_NODES;
+use sutura_controller::lattice::{Lattice, PC_NODES, Tissue};
 use sutura_controller::math::{Pose, Vec3};
 use sutura_controller::record::{Output, Sample};
 use sutura_controller::tick::{Controller, Memory};
 use sutura_controller::wound::{self, Faces};
-use sutura_shared::scene::{Effect, Scene};
+use sutura_shared::scene::{Effect, Scene, Thread};
 
 use super::circle::Circle;
 use crate::study::block;
@@ -26,6 +26,11 @@ pub(super) struct Run<'a> {
     device_from_patch: Pose,
     /// Where the tool is, patch frame.
     tool: Pose,
+    thread: Option<Thread>,
+    /// Whether the stylus button is pressed.
+    pressed: bool,
+    /// Whether the thread is tied.
+    tied: bool,
 }
 
 impl<'a> Run<'a> {
@@ -45,12 +50,15 @@ impl<'a> Run<'a> {
         })?;
         let wound = scene.wound.filter(|_| scene.effects.has(Effect::WoundContact));
         Ok(Self {
+            thread: scene.thread,
             faces: wound.and_then(|wound| wound::faces(&wound, None, controller.lattice()).ok()),
             device_from_patch: Pose::from(scene.device.patch_from_device).inverse(),
             attempt,
             controller,
             watch,
             tool,
+            pressed: false,
+            tied: false,
         })
     }
 
@@ -62,8 +70,11 @@ impl<'a> Run<'a> {
     /// One tick with the stylus there, device frame.
     pub(super) fn sense(&mut self, pose: Pose) -> Result<Output, Unfinished> {
         self.attempt.go_on()?;
-        let output = self.controller.tick(&Sample { pose, button: false });
-        let held = self.contact();
+        let output = self.controller.tick(&Sample {
+            pose,
+            button: self.pressed,
+        });
+        let held = self.held();
         let state = (self.controller.lattice(), self.controller.tissue());
         self.watch.see(state, &output, held);
         Ok(output)
@@ -96,6 +107,37 @@ impl<'a> Run<'a> {
         })
     }
 
+    /// Turns the tool where it is, and takes it to `pose` at 1 m/s.
+    pub(super) fn turn_to(&mut self, pose: Pose) -> Result<(), Unfinished> {
+        let position = self.tool.position;
+        self.tick(Pose { position, ..pose })?;
+        self.go(pose.position, 1.0)
+    }
+
+    /// Ties the thread and cuts it from the needle.
+    pub(super) fn tie(&mut self) -> Result<(), Unfinished> {
+        self.pressed = true;
+        self.wait(1)?;
+        (self.pressed, self.tied) = (false, true);
+        Ok(())
+    }
+
+    /// The patch and its state, to be held where no tool does it.
+    pub(super) const fn patch_mut(&mut self) -> (&mut Lattice<PC_NODES>, &mut Tissue<PC_NODES>) {
+        self.controller.patch_mut()
+    }
+
+    /// What there is to see.
+    pub(super) const fn controller(&self) -> &Controller<'a, PC_NODES> {
+        &self.controller
+    }
+
+    /// From the needle's swage to where the hand holds the tool [m].
+    pub(super) fn grasp(&self) -> Vec3 {
+        let swage = self.controller.tool().map(|arc| self.tool.position - arc.swage());
+        swage.unwrap_or_default()
+    }
+
     /// Turns the needle on its circle, its tip `between` these angles, at a `speed` of the tip [m/s].
     pub(super) fn turn(&mut self, circle: &Circle, [from, to]: [f32; 2], speed: f32) -> Result<(), Unfinished> {
         let ticks = ((to - from).abs() / circle.turn(speed * DT)).ceil().max(1.0);
@@ -107,7 +149,7 @@ impl<'a> Run<'a> {
 
     /// The tool has let go: the input stops here.
     pub(super) fn let_go(&mut self) {
-        let held = self.contact();
+        let held = self.held();
         self.watch
             .let_go((self.controller.lattice(), self.controller.tissue()), held);
     }
@@ -127,6 +169,21 @@ impl<'a> Run<'a> {
             peak_j: energies.fold(0.0, f64::max),
             ..trace
         }
+    }
+
+    /// Energy that is held outside of the tissue [J].
+    fn held(&self) -> f64 {
+        self.contact() + self.stretched()
+    }
+
+    /// Energy of a tied stitch, T² l₀/2EA; a thread in the hand gives its own back to the hand [J].
+    fn stretched(&self) -> f64 {
+        let Some(thread) = self.thread.filter(|_| self.tied) else {
+            return 0.0;
+        };
+        let pull = self.controller.pull();
+        let [tension, axial, length] = [pull.stitch, thread.axial_n, pull.between].map(f64::from);
+        0.5 * tension * tension * length / (axial + tension)
     }
 
     /// Energy of the wound's faces where they have met, ½ k g² of each pair [J].

@@ -2,21 +2,12 @@
 
 use sutura_controller::math::{Mat3, Pose, Vec3};
 
-use super::circle::Circle;
 use super::patch::{BALL_M, sewn, stroked};
 use super::run::Run;
+use super::thread::drawn;
 use crate::study::stability::bench::memory;
 use crate::study::stability::case::{Attempt, Case, Unfinished};
 use crate::study::stability::watch::Trace;
-
-/// Turns of the needle from before the left puncture to behind the right one, its swage out [rad].
-const STITCH: [f32; 2] = [-0.5, 5.2];
-/// Speed of its tip on the way [m/s].
-const DRIVEN: f32 = 0.05;
-/// Where the thread is drawn to, from the right puncture.
-const AWAY: Vec3 = Vec3::new(-0.6, 0.0, 0.8);
-/// What is slack again, from where the thread was taut [m].
-const SLACK: f32 = 0.04;
 
 /// All of them.
 pub(super) fn cases() -> Vec<Case> {
@@ -28,14 +19,9 @@ pub(super) fn cases() -> Vec<Case> {
     };
     vec![
         case(
-            "thread-taut",
-            "the thread goes taut at 1 m/s, is drawn 10 mm further and let go after half a second",
-            |attempt| drawn(attempt, 10e-3, 1.0),
-        ),
-        case(
             "edges-crossed:thread",
             "the taut thread is drawn 25 mm further, which pulls the wound's edges through each other if nothing holds them",
-            |attempt| drawn(attempt, 25e-3, 0.1),
+            |attempt| drawn(attempt, &sewn(attempt)?, [25e-3, 0.1]),
         ),
         case(
             "edges-crossed:tool",
@@ -43,26 +29,6 @@ pub(super) fn cases() -> Vec<Case> {
             dragged,
         ),
     ]
-}
-
-/// Sews through both punctures, and draws the thread `beyond` taut [m] at `speed` [m/s].
-fn drawn(attempt: &Attempt<'_>, beyond: f32, speed: f32) -> Result<Trace, Unfinished> {
-    let scene = sewn(attempt)?;
-    let circle = Circle::of(&scene.0);
-    let half = scene.0.stitch.map_or(0.0, |stitch| -stitch.a_m[0]);
-    let length = scene
-        .0
-        .thread
-        .map_or(0.0, |thread| thread.link_m * f32::from(thread.nodes - 1));
-    let mut memory = memory();
-    let mut run = Run::new(*attempt, &mut memory, &scene, circle.at(STITCH[0]))?;
-    run.turn(&circle, STITCH, DRIVEN)?;
-    let at = |way: f32| Vec3::x() * half + AWAY * (length - 2.0 * half + way);
-    run.go(at(-SLACK), 1.0)?;
-    run.go(at(beyond), speed)?;
-    run.wait(500)?;
-    run.go(at(-SLACK), 2.0)?;
-    run.rest()
 }
 
 fn dragged(attempt: &Attempt<'_>) -> Result<Trace, Unfinished> {
