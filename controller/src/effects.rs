@@ -11,7 +11,7 @@ use core::mem::size_of;
 use crate::coupling::{D, PUNCTURES};
 use crate::lattice::{CURVES, DIRECTIONS};
 use crate::law::Breaks;
-use crate::math::Vec3;
+use crate::math::{Mat3, Vec3};
 use crate::needle::{Passage, Point};
 use crate::thread::{self, Grip, NODES_MAX, Touch};
 use crate::wound::PAIRS_MAX;
@@ -114,6 +114,7 @@ pub const fn row(effect: Effect) -> &'static Row {
         skin_tension,
         thread_friction,
         knot,
+        thread_bending,
         tearing,
     ] = &TABLE;
     match effect {
@@ -130,12 +131,13 @@ pub const fn row(effect: Effect) -> &'static Row {
         Effect::SkinTension => skin_tension,
         Effect::ThreadFriction => thread_friction,
         Effect::Knot => knot,
+        Effect::ThreadBending => thread_bending,
         Effect::Tearing => tearing,
     }
 }
 
 /// Every effect, in the order of [`Effect::ALL`].
-pub const TABLE: [Row; 14] = [
+pub const TABLE: [Row; 15] = [
     Row {
         effect: Effect::Gravity,
         simulates: "the thread's weight",
@@ -203,7 +205,8 @@ pub const TABLE: [Row; 14] = [
         state: "places and velocities of its nodes, their elimination, the points that hold it in earlier stitches",
         bytes: size_of::<thread::State>() + size_of::<thread::Work>() + (1 + PUNCTURES - D) * size_of::<Point>()
             - LYING
-            - RUBBING,
+            - RUBBING
+            - BENDING,
         bytes_per_node: 0,
         needs: Some(Effect::Puncture),
         asks: &[],
@@ -304,6 +307,18 @@ pub const TABLE: [Row; 14] = [
         keys: &[key::KNOT_HOLD],
     },
     Row {
+        effect: Effect::ThreadBending,
+        simulates: "the thread resists bending and being pushed, and leaves the needle along its arc",
+        parts: &[Part::Thread],
+        state: "how each of its nodes moves with the one after the next",
+        bytes: BENDING,
+        bytes_per_node: 0,
+        needs: Some(Effect::Thread),
+        asks: &[],
+        section: None,
+        keys: &[key::BENDING],
+    },
+    Row {
         effect: Effect::Tearing,
         simulates: "a thread that pulls harder than the tissue bears cuts its way, as far as the wound's edge",
         parts: &[Part::Force],
@@ -325,6 +340,9 @@ const LYING: usize = NODES_MAX * (size_of::<Option<Touch>>() + size_of::<Vec3>()
 
 /// How a thread holds at each puncture.
 const RUBBING: usize = PUNCTURES * size_of::<Grip>();
+
+/// What a thread that bends keeps of its elimination.
+const BENDING: usize = NODES_MAX * size_of::<Mat3>();
 
 /// Every effect has its row, once and in order; a row's keys are its own, and their defaults are in range.
 const _: () = {

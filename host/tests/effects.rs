@@ -54,7 +54,8 @@ fn stitch(size_mm: [u32; 3]) -> (Scene, Vec<u8>) {
         hand.start = to;
     }
     hand.steps.remove(0);
-    scene.thread.as_mut().unwrap().friction = 0.2;
+    let thread = scene.thread.as_mut().unwrap();
+    (thread.friction, thread.bending_n_m2) = (0.2, 2.3e-7);
     // So many ticks tell as much of a solve with fewer iterations.
     scene.solver = Solver::BePcg {
         iterations: 3,
@@ -128,6 +129,7 @@ fn an_effect_that_is_off_costs_ten_instructions_a_tick_at_most() {
         Effect::SkinTension,
         Effect::ThreadFriction,
         Effect::Knot,
+        Effect::ThreadBending,
     ];
     for (scene, cells) in SIZES.map(stitch) {
         for effect in effects {
@@ -265,6 +267,7 @@ fn the_study_ends_with_json_and_its_files() {
             "skin-tension",
             "thread-friction",
             "knot",
+            "thread-bending",
         ];
         let name = row["effect"].as_str().unwrap();
         // A ball cannot puncture, and there is no wound: said instead of measured. The barrier is off, but can be added.

@@ -33,13 +33,15 @@ pub enum Effect {
     ThreadFriction = 1 << 11,
     /// The thread is tied at the end; without it nothing holds it when it is let go.
     Knot = 1 << 12,
+    /// The thread resists bending, and being pushed.
+    ThreadBending = 1 << 13,
     /// A thread that pulls harder than the tissue bears cuts its way through it.
     Tearing = 1 << 14,
 }
 
 impl Effect {
     /// Every effect, in the order of its bit.
-    pub const ALL: [Self; 14] = [
+    pub const ALL: [Self; 15] = [
         Self::Gravity,
         Self::Stiffening,
         Self::SpringDamping,
@@ -53,6 +55,7 @@ impl Effect {
         Self::SkinTension,
         Self::ThreadFriction,
         Self::Knot,
+        Self::ThreadBending,
         Self::Tearing,
     ];
 
@@ -73,6 +76,7 @@ impl Effect {
             Self::SkinTension => "skin-tension",
             Self::ThreadFriction => "thread-friction",
             Self::Knot => "knot",
+            Self::ThreadBending => "thread-bending",
             Self::Tearing => "tearing",
         }
     }

@@ -179,6 +179,8 @@ pub struct Thread {
     pub friction: f32,
     /// Difference of tension at which the knot slips [N]; used by effect `knot`.
     pub knot_hold_n: f32,
+    /// Bending stiffness EI [N·m²]; used by effect `thread-bending`.
+    pub bending_n_m2: f32,
 }
 
 /// The wound: a box of removed cells.

@@ -263,7 +263,7 @@ fn curve(scene: &mut Scene) -> &mut heapless::Vec<Segment, SEGMENTS_MAX> {
 
 #[test]
 fn scenes_name_the_value_that_is_wrong() {
-    assert_eq!(field(|it| it.effects.0 |= 1 << 13), "effects");
+    assert_eq!(field(|it| it.effects.0 |= 1 << 15), "effects");
     assert_eq!(field(|it| it.thread = None), "thread");
     assert_eq!(field(|it| it.wound = None), "effects");
     assert_eq!(field(|it| it.stitch = None), "stitch");

@@ -83,6 +83,15 @@ pub const THREAD_PENALTY: Key = key(
 pub const THREAD_FRICTION: Key = key(Effect::ThreadFriction, "thread.friction", "", [0.0, 2.0], &[0.2]);
 /// What the knot holds: above what 3-0 polypropylene breaks at where it is knotted, 18.9 N (Naleway et al. 2015).
 pub const KNOT_HOLD: Key = key(Effect::Knot, "thread.knot_hold_n", "N", [0.01, 100.0], &[20.0]);
+/// Bending stiffness EI: E π d⁴/64 of a solid thread, 230 of nylon 3-0 (d = 0.22 mm, E = 2 GPa), 82 of nylon 4-0, 460 of polypropylene 3-0; of a
+/// braid a tenth to a hundredth.
+pub const BENDING: Key = key(
+    Effect::ThreadBending,
+    "thread.bending_nn_m2",
+    "nN m2",
+    [0.1, 1e4],
+    &[230.0],
+);
 /// Pull of a thread along the skin at which it cuts through: dermis bears 20 N and more, a model of skin 3.3 to 4.1 N (Potter 2025).
 pub const STRENGTH: Key = key(Effect::Tearing, "tissue.strength_n", "N", [0.01, 1000.0], &[20.0]);
 /// Contact stiffness of a pair of facing nodes.

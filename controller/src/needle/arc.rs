@@ -101,10 +101,16 @@ impl Arc {
     /// Where the thread is swaged on [m].
     #[must_use]
     pub fn swage(&self) -> Vec3 {
+        self.end().0
+    }
+
+    /// The swage and the needle's forward tangent there; the tangent is zero for a ball.
+    #[must_use]
+    pub fn end(&self) -> (Vec3, Vec3) {
         if self.radius > 0.0 {
-            self.at(self.tip_angle() - self.length / self.radius).0
+            self.at(self.tip_angle() - self.length / self.radius)
         } else {
-            self.pose.position
+            (self.pose.position, Vec3::zeros())
         }
     }
 

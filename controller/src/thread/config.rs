@@ -34,6 +34,8 @@ pub struct Params {
     pub(super) friction: Option<f32>,
     /// Difference of tension at which the knot slips [N]; nothing without effect `knot`.
     pub(super) knot: Option<f32>,
+    /// EI/l₀³ [N/m]; nothing without effect `thread-bending`.
+    pub(super) bending: Option<f32>,
 }
 
 impl Params {
@@ -98,6 +100,7 @@ pub fn build(thread: &scene::Thread, coupling_n_per_m: f32, effects: Effects) ->
         ("penalty_n_per_m", thread.penalty_n_per_m),
         ("friction", thread.friction),
         ("knot_hold_n", thread.knot_hold_n),
+        ("bending_n_m2", thread.bending_n_m2),
     ];
     if let Some((name, _)) = positive.iter().find(|(_, value)| !(value.is_finite() && *value > 0.0)) {
         return Err(ConfigError::Coefficient(name));
@@ -108,6 +111,7 @@ pub fn build(thread: &scene::Thread, coupling_n_per_m: f32, effects: Effects) ->
     {
         return Err(ConfigError::Coefficient(name));
     }
+    let cube = thread.link_m * thread.link_m * thread.link_m;
     let mass = thread.mass_kg_per_m * thread.link_m;
     let damped = 1.0 + thread.damping_per_s * DT;
     Ok(Params {
@@ -121,5 +125,6 @@ pub fn build(thread: &scene::Thread, coupling_n_per_m: f32, effects: Effects) ->
         penalty: effects.has(Effect::ThreadContact).then_some(thread.penalty_n_per_m),
         friction: effects.has(Effect::ThreadFriction).then_some(thread.friction),
         knot: effects.has(Effect::Knot).then_some(thread.knot_hold_n),
+        bending: effects.has(Effect::ThreadBending).then_some(thread.bending_n_m2 / cube),
     })
 }

@@ -1,13 +1,14 @@
 //! Forward elimination of the nodes, from N₀ to the tail, onto the points that hold the thread.
 //!
-//! With u the nodes' displacements and c those of the points, −∂²/∂(u, c)² of the incremental energy is block-tridiagonal in u; the link
-//! in an eyelet has a part for each of its points besides. Behind it every node is tied to all the eyelets passed, but only through the
-//! last piece of that link: it pulls along one line, as its length and that of the other pieces have it, and turns about its own eyelet.
-//! So the blocks of node and eyelets are U X_j with one U, and the elimination carries one column, U's, for the vector y = Σ X_j c_j
-//! however many the eyelets are, and gathers them where the thread passes the next one.
+//! With u the nodes' displacements and c those of the points, −∂²/∂(u, c)² of the incremental energy is block-tridiagonal in u, or where
+//! the thread bends block-pentadiagonal; the link in an eyelet has a part for each of its points besides. Behind it every node is tied to
+//! all the eyelets passed, but only through the last piece of that link: it pulls along one line, as its length and that of the other
+//! pieces have it, and turns about its own eyelet. So the blocks of node and eyelets are U X_j with one U, and the elimination carries
+//! one column, U's, for the vector y = Σ X_j c_j however many the eyelets are, and gathers them where the thread passes the next one.
 
 use core::ops::Range;
 
+use super::bend::Joint;
 use super::chain::{CORNERS, Forces};
 use super::factor::Factor;
 use super::link::Link;
@@ -113,6 +114,17 @@ impl Crossing {
     }
 }
 
+/// What the eliminated nodes of a thread that bends leave to the node after the next, and to both.
+#[derive(Clone, Copy, Default)]
+struct Ahead {
+    force: Vec3,
+    block: Mat3,
+    /// Block of the next node with that one.
+    between: Mat3,
+    /// Its block with y.
+    onto: Mat3,
+}
+
 /// What the eliminated nodes leave to the next node and to y.
 #[derive(Clone, Copy, Default)]
 pub(super) struct Front {
@@ -122,6 +134,8 @@ pub(super) struct Front {
     onto: Option<Mat3>,
     y_force: Vec3,
     y_block: Mat3,
+    /// Nothing unless the thread bends, and nothing next to an eyelet.
+    ahead: Ahead,
 }
 
 impl Front {
@@ -144,6 +158,40 @@ impl Front {
             *onto = link.block * row.onto;
         }
         row
+    }
+
+    /// The same where the thread bends; beside the row it gives what the node's displacement has of the one after the next, negated: `joint` is
+    /// that of the node at the front and the two behind it.
+    pub(super) fn bend(&mut self, link: &Link, joint: &Joint) -> (Row, Mat3) {
+        let stiffness = joint.stiffness;
+        let times = Mat3::from_diagonal_element;
+        let factor = Factor::new(&(self.block + link.block + times(stiffness)));
+        let to_b = self.ahead.between - link.block - times(2.0 * stiffness);
+        let from_b = to_b.transpose();
+        let mut row = Row {
+            alone: factor.solve(self.force + link.on_a + joint.on_a),
+            next: factor.solve_columns(&to_b),
+            onto: Mat3::zeros(),
+        };
+        let beyond = factor.solve_columns(&times(stiffness));
+        let ahead = self.ahead;
+        self.force = ahead.force - link.on_a - joint.on_a * 2.0 - from_b * row.alone;
+        self.block = ahead.block + link.block + times(4.0 * stiffness) - from_b * row.next;
+        self.ahead = Ahead {
+            force: joint.on_a - row.alone * stiffness,
+            block: times(stiffness) - beyond * stiffness,
+            between: times(-2.0 * stiffness) - from_b * beyond,
+            onto: Mat3::zeros(),
+        };
+        if let Some(onto) = &mut self.onto {
+            let to_y = onto.transpose();
+            row.onto = factor.solve_columns(onto);
+            self.y_force -= to_y * row.alone;
+            self.y_block -= to_y * row.onto;
+            *onto = ahead.onto - from_b * row.onto;
+            self.ahead.onto = row.onto * -stiffness;
+        }
+        (row, beyond)
     }
 
     /// The same where `forces` of a chain join the node to the next through the eyelets of `crossing`; `passed` says what the
@@ -202,6 +250,7 @@ impl Front {
             onto: Some(forces.end.split(&mut crossing.seen, eyelets.start)),
             y_force: Vec3::zeros(),
             y_block: Mat3::zeros(),
+            ahead: Ahead::default(),
         };
         row
     }

@@ -107,7 +107,18 @@ pub(super) fn spring(stiffness: f32, elongation: f32, slack: f32) -> (f32, f32) 
     }
 }
 
-/// The ordinary link, b at `d` from a.
+/// The ordinary link of a thread that bends, b at `d` from a: it holds its length both ways. Pushed, it would have its ends away from its
+/// line; the tension's size in place of its sign keeps the block positive semidefinite and a step from overreaching.
+pub(super) fn rod(params: &Params, d: Vec3) -> Link {
+    let piece = Piece::new(d);
+    let (tension, stiffness) = spring(params.stiffness(), piece.length - params.rest, f32::INFINITY);
+    Link {
+        on_a: piece.along * tension,
+        block: piece.along * piece.along.transpose() * stiffness + piece.bend * tension.abs(),
+    }
+}
+
+/// The ordinary link of a thread without bending stiffness, b at `d` from a.
 pub(super) fn plain(params: &Params, d: Vec3, slack: f32) -> Link {
     let piece = Piece::new(d);
     let (tension, stiffness) = spring(params.stiffness(), piece.length - params.rest, slack);

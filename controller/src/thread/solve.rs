@@ -1,70 +1,22 @@
 //! One backward Euler step: linearise, eliminate every node onto the tissue's points, substitute back.
 
-use core::ops::Range;
-
-use super::adhere::{adhere, grip};
+use super::adhere::adhere;
 use super::answer::answer;
-use super::chain::Chain;
 use super::config::Params;
-use super::contact::{Ground, Touch, press};
-use super::course::{Course, slide};
-use super::front::{Condensed, Crossing, Front, Row};
-use super::link::{self, Link};
+use super::contact::{Ground, press};
+use super::front::Condensed;
 use super::pull::{Pull, pull};
-use super::state::{NODES_MAX, Place, State};
+use super::state::{Place, State};
+use super::sweep::{eliminate, substitute};
+use super::work::{Ends, Work};
 use crate::coupling::{POINTS, PUNCTURES};
-use crate::math::{DT, Mat3, Vec3};
+use crate::math::{DT, Vec3};
 
 /// Newton iterations of the thread alone before it is linearised for the tissue.
 const ITERATIONS: usize = 7;
 /// In the first iteration a link this much shorter than at rest, of its length, is taken for taut: a thread becomes taut all
 /// along at once, and would do so link by link otherwise.
 const NEARLY_TAUT: f32 = 0.02;
-
-/// What holds the thread, at its predicted position.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Ends {
-    /// The needle's swage [m]; none where the thread is cut from the needle.
-    pub swage: Option<Vec3>,
-    /// The tissue's point that holds N₍ₙ₋₁₎ [m]; none where the tail is free.
-    pub tail: Option<Vec3>,
-    /// The tissue's points through which the thread runs [m], in the order of its [`Course`]; only so many have a meaning.
-    pub eyelets: [Vec3; PUNCTURES],
-    /// About what the tissue answers a point's displacement with, springs and inertia [N/m]; more than zero. It steers the
-    /// thread's own iterations and has no part in the result once they have converged.
-    pub end_stiffness: f32,
-}
-
-/// What `condense` leaves for `settle`.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Work {
-    /// Force of each node on the ground [N], after `settle`.
-    pub reaction: [Vec3; NODES_MAX],
-    nodes: [Place; NODES_MAX],
-    course: Course,
-    ends: Ends,
-    reduced: Condensed,
-    touch: [Option<Touch>; NODES_MAX],
-    rows: [Row; NODES_MAX],
-    crossings: [Crossing; PUNCTURES],
-    crossed: usize,
-}
-
-impl Default for Work {
-    fn default() -> Self {
-        Self {
-            reaction: [Vec3::zeros(); NODES_MAX],
-            nodes: [Place::default(); NODES_MAX],
-            course: Course::default(),
-            ends: Ends::default(),
-            reduced: Condensed::default(),
-            touch: [None; NODES_MAX],
-            rows: [Row::default(); NODES_MAX],
-            crossings: [Crossing::default(); PUNCTURES],
-            crossed: 0,
-        }
-    }
-}
 
 /// Advances the thread in thought against tissue that answers with `ends.end_stiffness`, linearises it there and eliminates
 /// every node. The operation count is that of the nodes and eyelets there are; `state` is not changed.
@@ -175,177 +127,6 @@ fn unbalanced(params: &Params, state: &State, work: &Work) -> [Vec3; POINTS] {
         *tail = Vec3::zeros();
     }
     force
-}
-
-/// Linearises at the iterate and eliminates the nodes; the result is about the iterate. An effect that is off has no part in the pass.
-fn eliminate(params: &Params, state: &State, work: &mut Work, slack: f32) {
-    let (floats, hovers) = (|_: f32, _: &mut Front| (), |_: &Work, _: usize, _: &mut Front| ());
-    let weighs = |weight: f32| move |share: f32, front: &mut Front| front.force.z -= weight * share;
-    let lies = |penalty: f32| move |work: &Work, index: usize, front: &mut Front| lie(penalty, work, index, front);
-    match (params.weight, params.penalty) {
-        (None, None) => forward(params, state, work, slack, (floats, hovers)),
-        (None, Some(penalty)) => forward(params, state, work, slack, (floats, lies(penalty))),
-        (Some(weight), None) => forward(params, state, work, slack, (weighs(weight), hovers)),
-        (Some(weight), Some(penalty)) => forward(params, state, work, slack, (weighs(weight), lies(penalty))),
-    }
-}
-
-/// The same; `fall` adds the weight of a node with this share of mass to the front, and `lie` what the ground does to it.
-fn forward(
-    params: &Params,
-    state: &State,
-    work: &mut Work,
-    slack: f32,
-    (fall, lie): (impl Fn(f32, &mut Front), impl Fn(&Work, usize, &mut Front)),
-) {
-    work.reduced = Condensed {
-        len: work.reduced.len,
-        ..Condensed::default()
-    };
-    work.crossed = 0;
-    let mut front = Front::default();
-    let mut newer = work.course.count;
-    let (last, held) = (params.nodes - 1, work.ends.tail.is_some());
-    let free = params.nodes - usize::from(held);
-    for index in 0..free {
-        own(params, state, work, index, (&fall, &mut front));
-        lie(work, index, &mut front);
-        let eyelets = work.course.within(index, newer);
-        let row = if eyelets.is_empty() || index == last {
-            front.eliminate(&at(params, work, index, slack))
-        } else {
-            newer = eyelets.start;
-            cross(params, work, (index, eyelets), slack, &mut front)
-        };
-        if let Some(slot) = work.rows.get_mut(index) {
-            *slot = row;
-        }
-    }
-    let seen = seen(work);
-    front.end(held, &seen, &mut work.reduced);
-    work.reduced.symmetrise();
-}
-
-/// What nodes behind the last crossing see of the eyelets.
-fn seen(work: &Work) -> [Mat3; PUNCTURES] {
-    let last = work.crossed.checked_sub(1).and_then(|last| work.crossings.get(last));
-    last.map_or([Mat3::zeros(); PUNCTURES], |crossing| crossing.seen)
-}
-
-/// Eliminates node `index`, whose link passes `eyelets`.
-fn cross(
-    params: &Params,
-    work: &mut Work,
-    (index, eyelets): (usize, Range<usize>),
-    slack: f32,
-    front: &mut Front,
-) -> Row {
-    let passed = seen(work);
-    let tied = work.course.knot.filter(|_| eyelets.end == work.course.count);
-    let chain = Chain::new((&work.nodes, params.nodes), &work.course, index, eyelets.clone());
-    let strain = chain.strain(params, slack, tied);
-    grip(params, &mut work.course, (&chain, eyelets.clone()), &strain);
-    let forces = chain.forces(&strain);
-    let mut crossing = Crossing {
-        link: index,
-        eyelets: [eyelets.start, eyelets.end],
-        tangents: chain.tangents,
-        ..Crossing::default()
-    };
-    let row = front.cross(&forces, &mut crossing, &passed, &mut work.reduced);
-    if let Some(slot) = work.crossings.get_mut(work.crossed) {
-        *slot = crossing;
-        work.crossed += 1;
-    }
-    row
-}
-
-/// Adds what acts on node `index` alone: inertia, weight and the swage.
-fn own(
-    params: &Params,
-    state: &State,
-    work: &Work,
-    index: usize,
-    (fall, front): (impl Fn(f32, &mut Front), &mut Front),
-) {
-    let (Some(old), Some(velocity), Some(new)) =
-        (state.nodes.get(index), state.velocity.get(index), work.nodes.get(index))
-    else {
-        return;
-    };
-    let share = params.share(index);
-    let inertia = params.inertia * share;
-    let mut diagonal = inertia;
-    front.force += (velocity * params.coast - old.to(new)) * inertia;
-    fall(share, front);
-    if let (0, Some(swage)) = (index, work.ends.swage) {
-        front.force += new.to(&Place::new(swage)) * params.coupling;
-        diagonal += params.coupling;
-    }
-    front.block += Mat3::from_diagonal_element(diagonal);
-}
-
-/// Adds what the ground under node `index` does to it.
-fn lie(penalty: f32, work: &Work, index: usize, front: &mut Front) {
-    if let (Some(Some(touch)), Some(node)) = (work.touch.get(index), work.nodes.get(index)) {
-        let (force, block) = press(touch, penalty, node.fine);
-        front.force += force;
-        front.block += block;
-    }
-}
-
-/// Link `index` at the iterate; none behind the last node.
-fn at(params: &Params, work: &Work, index: usize, slack: f32) -> Link {
-    match (work.nodes.get(index), work.nodes.get(index + 1)) {
-        (Some(a), Some(b)) if index + 1 < params.nodes => link::plain(params, a.to(b), slack),
-        _ => Link::default(),
-    }
-}
-
-/// Moves the iterate: the points by `moved`, the nodes by what follows from it; then lets the thread slide by a node.
-fn substitute(params: &Params, work: &mut Work, moved: &[Vec3; POINTS]) {
-    let [tail, eyelets @ ..] = moved;
-    let held = usize::from(work.ends.tail.is_some());
-    let mut next = *tail;
-    if let (1, Some(node)) = (held, work.nodes.get_mut(params.nodes - 1)) {
-        node.fine += tail;
-    }
-    for (eyelet, moved) in work.course.eyelets.iter_mut().zip(eyelets).take(work.course.count) {
-        eyelet.place.fine += moved;
-    }
-    let sum = |blocks: &[Mat3; PUNCTURES]| -> Vec3 { blocks.iter().zip(eyelets).map(|(block, c)| block * c).sum() };
-    let mut crossings = work.crossings.iter().take(work.crossed).rev().peekable();
-    let mut y = crossings
-        .peek()
-        .map_or_else(Vec3::zeros, |crossing| sum(&crossing.seen));
-    let nodes = work.nodes.iter_mut().zip(&work.rows).enumerate();
-    for (index, (node, row)) in nodes.take(params.nodes - held).rev() {
-        let mut by = Vec3::zeros();
-        if let Some(crossing) = crossings.next_if(|crossing| crossing.link == index) {
-            by = sum(&crossing.columns);
-            y = crossings
-                .peek()
-                .map_or_else(Vec3::zeros, |crossing| sum(&crossing.seen));
-        }
-        next = row.alone - row.next * next - row.onto * y - by;
-        node.fine += next;
-    }
-    let Work {
-        nodes,
-        course,
-        crossings,
-        crossed,
-        ..
-    } = work;
-    for crossing in crossings.iter().take(*crossed) {
-        slide(
-            params,
-            nodes,
-            course,
-            (crossing.link, crossing.range()),
-            crossing.tangents,
-        );
-    }
 }
 
 /// Forces of the nodes on the ground.

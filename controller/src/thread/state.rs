@@ -67,12 +67,13 @@ pub struct State {
     pub load: [Vec3; POINTS],
 }
 
-/// Length of a laid link over its rest length: links right at the edge of taut would tug as they settle.
+/// Length of a laid link over its rest length: links right at the edge of taut would tug as they settle. Those that push would, too.
 const SLACK: f32 = 0.99;
 
 impl State {
     /// A thread at rest between `from` (the swage) and `to` (the tail): an arc that bulges towards `bulge` (unit length, across the
-    /// line between the two); a straight line where the thread is too short for an arc. Its links are a hair short of taut.
+    /// line between the two); a straight line where the thread is too short for an arc. Its links are a hair short of taut, those of a thread that
+    /// bends at rest.
     #[must_use]
     pub fn laid(params: &Params, from: Vec3, to: Vec3, bulge: Vec3) -> Self {
         let links = (params.nodes - 1) as f32;
@@ -81,7 +82,11 @@ impl State {
         if along == Vec3::zeros() {
             along = direction(bulge.cross(&Vec3::new(bulge.y, bulge.z, -bulge.x)), 1e-6);
         }
-        let link = params.rest * SLACK;
+        let link = if params.bending.is_some() {
+            params.rest
+        } else {
+            params.rest * SLACK
+        };
         let (turn, step) = match arc(links, span / link) {
             Some(turn) => (turn, link),
             None => (0.0, span / links),

@@ -106,8 +106,10 @@ pub(super) fn strain<const N: usize>(
         // The knot holds before the needle is cut off.
         run.tie(thread);
     }
+    let (swage, forward) = arc.end();
     let ends = Ends {
-        swage: Some(arc.swage()).filter(|_| state.stage.stage < Stage::Tie),
+        swage: Some(swage).filter(|_| state.stage.stage < Stage::Tie),
+        heading: -forward,
         tail: Some(tail),
         eyelets,
         end_stiffness: SURFACE_STIFFNESS,

@@ -27,6 +27,7 @@ const THREAD: scene::Thread = scene::Thread {
     penalty_n_per_m: 1000.0,
     friction: 0.0,
     knot_hold_n: 0.0,
+    bending_n_m2: 0.0,
 };
 /// What the controller tells the thread's own iterations of the skin [N/m].
 const END_STIFFNESS: f32 = 300.0;

@@ -223,6 +223,8 @@ pub struct Thread {
     pub friction: Option<Number>,
     /// Difference of tension at which the knot slips; effect `knot`.
     pub knot_hold_n: Option<Number>,
+    /// Bending stiffness EI; effect `thread-bending`.
+    pub bending_nn_m2: Option<Number>,
 }
 
 /// `[output]`

@@ -84,6 +84,7 @@ impl Scene {
             (Effect::ThreadContact, Effect::Thread, "thread for thread-contact"),
             (Effect::ThreadFriction, Effect::Thread, "thread for thread-friction"),
             (Effect::Knot, Effect::Thread, "thread for knot"),
+            (Effect::ThreadBending, Effect::Thread, "thread for thread-bending"),
             (Effect::Tearing, Effect::Thread, "thread for tearing"),
         ];
         needs
@@ -272,7 +273,12 @@ impl Thread {
         within(self.damping_per_s, &RATE, "thread.damping_per_s")?;
         within(self.penalty_n_per_m, &STIFFNESS, "thread.penalty_n_per_m")?;
         within(self.friction, &(0.0..=10.0, "0 to 10"), "thread.friction")?;
-        within(self.knot_hold_n, &FORCE, "thread.knot_hold_n")
+        within(self.knot_hold_n, &FORCE, "thread.knot_hold_n")?;
+        within(
+            self.bending_n_m2,
+            &(0.0..=1e-3, "0 to 1e-3 N m2"),
+            "thread.bending_n_m2",
+        )
     }
 }
 

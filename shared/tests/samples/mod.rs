@@ -191,6 +191,7 @@ fn thread() -> Thread {
         penalty_n_per_m: 500.0,
         friction: 0.25,
         knot_hold_n: 18.0,
+        bending_n_m2: 2e-7,
     }
 }
 

@@ -4,7 +4,7 @@ use sutura_controller::effects::{Row, TABLE, row};
 use sutura_shared::scene::Effect;
 use toml::{Table, Value};
 
-use super::{TOUCH, at, built, with_thread_friction};
+use super::{TOUCH, at, built, with_all_of_the_thread};
 
 /// Takes a name out of a scene's effects.
 fn switch_off(scene: &mut Table, effect: Effect) {
@@ -69,7 +69,7 @@ fn leave_out(scene: &mut Table, row: &Row, kept: Option<&str>) {
 fn a_key_of_an_effect_that_is_off_is_refused_with_its_name() {
     for row in &TABLE {
         for key in row.keys {
-            let mut scene = with_thread_friction();
+            let mut scene = with_all_of_the_thread();
             if row.effect == Effect::Puncture {
                 let stitch = at(&mut scene, "stitch").as_table_mut().unwrap();
                 stitch.insert("stitches".to_owned(), 3.into());
@@ -99,7 +99,7 @@ fn a_key_of_an_effect_that_is_off_is_refused_with_its_name() {
 #[test]
 fn a_scene_is_one_without_any_other_effect() {
     for row in TABLE.iter().filter(|row| row.effect != Effect::Puncture) {
-        let mut scene = with_thread_friction();
+        let mut scene = with_all_of_the_thread();
         leave_out(&mut scene, row, None);
         let built = built(&scene).unwrap_or_else(|error| panic!("{}: {error}", row.effect.name()));
         assert!(!built.scene.effects.has(row.effect));
@@ -110,7 +110,7 @@ fn a_scene_is_one_without_any_other_effect() {
 /// The built-in scene spells the defaults out, so it stays what it is where any of them is left out, and its effects' names suffice.
 #[test]
 fn a_key_that_is_left_out_has_its_default() {
-    let whole = with_thread_friction();
+    let whole = with_all_of_the_thread();
     let expected = built(&whole).unwrap().scene;
     let mut names = whole.clone();
     for key in TABLE

@@ -37,11 +37,15 @@ fn built(scene: &Table) -> Result<Built, String> {
     build(&plan, NODES_MAX).map_err(|error| error.to_string())
 }
 
-/// The built-in scene with effect `thread-friction`, which it leaves off: the effect's key stands in a comment.
-fn with_thread_friction() -> Table {
-    let mut scene: Table = BUILT_IN.replace("\n# friction = ", "\nfriction = ").parse().unwrap();
+/// The built-in scene with the effects of the thread that it leaves off: their keys stand in comments.
+fn with_all_of_the_thread() -> Table {
+    let text = BUILT_IN.replace("\n# friction = ", "\nfriction = ");
+    let mut scene: Table = text
+        .replace("\n# bending_nn_m2 = ", "\nbending_nn_m2 = ")
+        .parse()
+        .unwrap();
     let effects = scene.get_mut("effects").unwrap().as_array_mut().unwrap();
-    effects.push(Effect::ThreadFriction.name().into());
+    effects.extend([Effect::ThreadFriction, Effect::ThreadBending].map(|effect| effect.name().into()));
     scene
 }
 
@@ -202,9 +206,9 @@ fn the_knots_limit_acts_where_it_slips() {
 }
 
 #[test]
-fn the_threads_friction_acts() {
-    walk("rubbing thread", &with_thread_friction(), |path| {
-        path == "thread.friction"
+fn the_threads_friction_and_stiffness_act() {
+    walk("rubbing stiff thread", &with_all_of_the_thread(), |path| {
+        matches!(path, "thread.friction" | "thread.bending_nn_m2")
     });
 }
 

@@ -165,8 +165,12 @@ fn the_jacobian_at_the_eyelet_agrees_with_central_differences() {
 /// The condensed force and stiffness of a taut thread against the Schur complement of the dense double-precision system.
 #[test]
 fn the_condensed_response_is_the_schur_complement() {
-    for eyelets in [NONE, ONE, TWO, TWO_IN_A_LINK] {
-        let (params, mut tissue, mut thread) = super::behaviour::straight(eyelets);
+    let effects = [Effect::Knot, Effect::ThreadBending];
+    for (effect, eyelets) in effects
+        .iter()
+        .flat_map(|e| [NONE, ONE, TWO, TWO_IN_A_LINK].map(|eyelets| (*e, eyelets)))
+    {
+        let (params, mut tissue, mut thread) = super::behaviour::straight_with(effect, eyelets);
         let swage = thread.state.nodes[0].point() + super::behaviour::way(eyelets) * 5e-3;
         for _ in 0..400 {
             tissue.tick(&params, &mut thread, swage, &Air);
@@ -182,13 +186,15 @@ fn the_condensed_response_is_the_schur_complement() {
         for (r, row) in stiffness.iter().enumerate() {
             assert!(
                 (f64::from(ours.force[r / 3][r % 3]) - force[r]).abs() < 1e-3,
-                "{eyelets:?} force {r}"
+                "{effect:?} {eyelets:?} force {r}: {} and {}",
+                ours.force[r / 3][r % 3],
+                force[r]
             );
             for (c, exact) in row.iter().enumerate() {
                 let block = f64::from(ours.stiffness[r / 3][c / 3][(r % 3, c % 3)]);
                 assert!(
                     (block - exact).abs() < 1e-4 * scale,
-                    "{eyelets:?} {r} {c}: {block} and {exact}"
+                    "{effect:?} {eyelets:?} {r} {c}: {block} and {exact}"
                 );
             }
         }

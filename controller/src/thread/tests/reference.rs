@@ -52,7 +52,18 @@ impl System {
         }
     }
 
-    fn bend(&mut self, a: usize, b: usize, block: &[V; 3]) {
+    fn joint(&mut self, joint: &Joint) {
+        for &(i, share) in &joint.parts {
+            for (r, sum) in joint.sum.iter().enumerate() {
+                self.force[3 * i + r] -= joint.k * share * sum;
+                for &(j, other) in &joint.parts {
+                    self.hessian[3 * i + r][3 * j + r] += joint.k * share * other;
+                }
+            }
+        }
+    }
+
+    fn turn(&mut self, a: usize, b: usize, block: &[V; 3]) {
         for (r, row) in block.iter().enumerate() {
             for (c, bend) in row.iter().enumerate() {
                 self.hessian[3 * a + r][3 * a + c] += bend;
@@ -60,6 +71,25 @@ impl System {
                 self.hessian[3 * a + r][3 * b + c] -= bend;
                 self.hessian[3 * b + r][3 * a + c] -= bend;
             }
+        }
+    }
+}
+
+/// What bends: ½ k |Σ share·place − less|².
+struct Joint {
+    k: f64,
+    /// Nodes with their shares.
+    parts: Vec<(usize, f64)>,
+    sum: V,
+}
+
+impl Joint {
+    fn new(k: f64, parts: &[(usize, f64)], x: &[V], less: V) -> Self {
+        let total = |r: usize| parts.iter().map(|(i, share)| share * x[*i][r]).sum::<f64>();
+        Self {
+            k,
+            parts: parts.to_vec(),
+            sum: sub([0, 1, 2].map(total), less),
         }
     }
 }
@@ -73,6 +103,8 @@ pub(super) struct Monolith {
     pub(super) density: f64,
     pub(super) alpha: f64,
     pub(super) coupling: f64,
+    /// EI, with which links push too, and the direction in which the thread leaves the swage; nothing for a thread that does not bend.
+    pub(super) bending: Option<(f64, V)>,
     pub(super) tissue_mass: f64,
     pub(super) tissue_stiffness: f64,
     pub(super) tissue_rest: Vec<V>,
@@ -120,14 +152,41 @@ impl Monolith {
         all
     }
 
+    /// The joints of three nodes, and the clamp.
+    fn joints(&self, x: &[V]) -> Vec<Joint> {
+        let Some((bending, heading)) = self.bending else {
+            return Vec::new();
+        };
+        let k = bending / self.rest.powi(3);
+        let free = |link: usize| !self.through.contains(&link);
+        let inner = (1..self.links).filter(|i| free(i - 1) && free(*i));
+        let joint = |i: usize| Joint::new(k, &[(i - 1, 1.0), (i, -2.0), (i + 1, 1.0)], x, [0.0; 3]);
+        let mut all: Vec<_> = inner.map(joint).collect();
+        if free(0) {
+            let way = heading.map(|h| h * self.rest);
+            all.push(Joint::new(2.0 * k, &[(0, -1.0), (1, 1.0)], x, way));
+        }
+        all
+    }
+
+    /// Whether link k holds its length against pushing.
+    fn pushes(&self, k: usize) -> bool {
+        self.bending.is_some() && !self.through.contains(&k)
+    }
+
     fn energy(&self, x: &[V], swage: V) -> f64 {
         let springs: f64 = self
             .springs(x, swage)
             .iter()
             .map(|(_, k, d)| 0.5 * k * norm(*d).powi(2))
             .sum();
-        let taut = (0..self.links).map(|k| self.elongation(x, k).max(0.0).powi(2));
-        springs + 0.5 * self.axial / self.rest * taut.sum::<f64>()
+        let joints = self.joints(x);
+        let bent: f64 = joints.iter().map(|joint| 0.5 * joint.k * norm(joint.sum).powi(2)).sum();
+        let taut = (0..self.links).map(|k| match self.elongation(x, k) {
+            pushed if pushed < 0.0 && !self.pushes(k) => 0.0,
+            elongation => elongation.powi(2),
+        });
+        springs + bent + 0.5 * self.axial / self.rest * taut.sum::<f64>()
     }
 
     fn linearise(&self, x: &[V], swage: V) -> System {
@@ -139,10 +198,13 @@ impl Monolith {
         for (i, k, d) in self.springs(x, swage) {
             system.spring(i, k, d);
         }
+        for joint in self.joints(x) {
+            system.joint(&joint);
+        }
         let stiffness = self.axial / self.rest;
         for k in 0..self.links {
             let tension = stiffness * self.elongation(x, k);
-            if tension <= 0.0 {
+            if tension <= 0.0 && !self.pushes(k) {
                 continue;
             }
             let mut gradient = vec![0.0; n];
@@ -154,8 +216,10 @@ impl Monolith {
                     gradient[3 * b + r] -= d[r] / l;
                 }
                 let unit = |r: usize, c: usize| if r == c { 1.0 } else { 0.0 };
-                let block = [0, 1, 2].map(|r| [0, 1, 2].map(|c| tension / l * (unit(r, c) - d[r] * d[c] / (l * l))));
-                system.bend(a, b, &block);
+                // Newton's iteration needs a matrix that is positive definite; the solution is where the forces balance.
+                let block =
+                    [0, 1, 2].map(|r| [0, 1, 2].map(|c| tension.abs() / l * (unit(r, c) - d[r] * d[c] / (l * l))));
+                system.turn(a, b, &block);
             }
             let touched: Vec<usize> = (0..n).filter(|i| gradient[*i] != 0.0).collect();
             for &i in &touched {

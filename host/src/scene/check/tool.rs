@@ -258,6 +258,7 @@ impl Keys<'_> {
             penalty_n_per_m: self.own(&key::THREAD_PENALTY, thread.penalty_n_per_m.as_ref())? as f32,
             friction: self.own(&key::THREAD_FRICTION, thread.friction.as_ref())? as f32,
             knot_hold_n: self.own(&key::KNOT_HOLD, thread.knot_hold_n.as_ref())? as f32,
+            bending_n_m2: (self.own(&key::BENDING, thread.bending_nn_m2.as_ref())? * 1e-9) as f32,
         }))
     }
 

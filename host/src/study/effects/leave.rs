@@ -33,6 +33,7 @@ pub fn without(scene: &Scene, effect: Effect) -> Scene {
         Effect::Thread => scene.thread = None,
         Effect::ThreadContact => scene.thread.iter_mut().for_each(|thread| thread.penalty_n_per_m = 0.0),
         Effect::ThreadFriction => scene.thread.iter_mut().for_each(|thread| thread.friction = 0.0),
+        Effect::ThreadBending => scene.thread.iter_mut().for_each(|thread| thread.bending_n_m2 = 0.0),
         Effect::Knot => scene.thread.iter_mut().for_each(|thread| thread.knot_hold_n = 0.0),
         Effect::WoundContact => scene.wound.iter_mut().for_each(|wound| wound.penalty_n_per_m = 0.0),
         Effect::Passivity => scene.output.passivity_n_s_per_m = 0.0,
