@@ -20,7 +20,8 @@ use crate::math::{DT, Vec3};
 /// Energy that a step may gain, over what there was: sums of single numbers are off by about 1e-6 of it, and a fifth of what hard cases are
 /// allowed goes unfelt.
 const RISE: f32 = 2e-4;
-/// Energy that a step may gain in any case [J]: skin of 1 MPa that moves by 10 nm holds as much, and what has come to rest is rounding alone.
+/// Gain of energy that says nothing against the next step [J]: skin of 1 MPa that moves by 10 nm holds as much, and what has come to rest is
+/// rounding alone.
 const STILL: f32 = 1e-13;
 /// The same over the work that goes through the points and the load, either way: a linear solve that is not run to its end misses the force by
 /// less.
@@ -78,21 +79,22 @@ fn keep<L: Lanes, const N: usize>(
     });
     let had = before + overlap_before + motion.before;
     let gained = (after - before) + (overlap_after - overlap_before) + (motion.after - motion.before);
-    let allowed = STILL + RISE * had + MISSED * (motion.work.max(-motion.work) + passed);
-    if gained - (motion.work + pulled) > allowed && motion.prescribed <= 0.0 {
+    let allowed = RISE * had + MISSED * (motion.work.max(-motion.work) + passed);
+    let excess = gained - (motion.work + pulled) - allowed;
+    let refused = excess > 0.0 && motion.prescribed <= 0.0;
+    if refused {
         for step in &mut work.step {
             step.iter_mut().take(n).for_each(|u| *u = 0.0);
         }
-        return Balance {
-            elastic: before,
-            known: 1,
-            caution: (2.0 * caution + 1.0).min(Balance::CAUTION_MAX),
-        };
     }
     Balance {
-        elastic: after,
+        elastic: if refused { before } else { after },
         known: 1,
-        caution: (0.5 * (caution - 1.0)).max(0.0),
+        caution: if refused && excess > STILL {
+            (2.0 * caution + 1.0).min(Balance::CAUTION_MAX)
+        } else {
+            (0.5 * (caution - 1.0)).max(0.0)
+        },
     }
 }
 

@@ -39,13 +39,11 @@ fn built(scene: &Table) -> Result<Built, String> {
 
 /// The built-in scene with the effects of the thread that it leaves off: their keys stand in comments.
 fn with_all_of_the_thread() -> Table {
-    let text = BUILT_IN.replace("\n# friction = ", "\nfriction = ");
-    let mut scene: Table = text
-        .replace("\n# bending_nn_m2 = ", "\nbending_nn_m2 = ")
-        .parse()
-        .unwrap();
+    let keys = ["friction", "bending_nn_m2", "strength_n"];
+    let named = |text: String, key: &str| text.replace(&format!("\n# {key} = "), &format!("\n{key} = "));
+    let mut scene: Table = keys.into_iter().fold(BUILT_IN.to_owned(), named).parse().unwrap();
     let effects = scene.get_mut("effects").unwrap().as_array_mut().unwrap();
-    effects.extend([Effect::ThreadFriction, Effect::ThreadBending].map(|effect| effect.name().into()));
+    effects.extend([Effect::ThreadFriction, Effect::ThreadBending, Effect::Tearing].map(|effect| effect.name().into()));
     scene
 }
 
@@ -210,6 +208,14 @@ fn the_threads_friction_and_stiffness_act() {
     walk("rubbing stiff thread", &with_all_of_the_thread(), |path| {
         matches!(path, "thread.friction" | "thread.bending_nn_m2")
     });
+}
+
+/// The stitch pulls with 1.3 N, and more where its thread turns.
+#[test]
+fn the_tissues_strength_acts_where_it_yields() {
+    let mut scene = with_all_of_the_thread();
+    *at(&mut scene, "tissue.0.strength_n") = 1.0.into();
+    walk("yielding tissue", &scene, |path| path == "tissue.0.strength_n");
 }
 
 #[test]
