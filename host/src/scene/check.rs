@@ -525,6 +525,15 @@ mod tests {
         let numbers = "axial_n = 76\nmass_mg_per_m = 43\n";
         let thread = altered(numbers, "kind = \"nylon 3-0\"\n").unwrap().thread.unwrap();
         assert!((thread.axial_n - 76.0).abs() < 0.1 && (thread.mass_kg_per_m - 43e-6).abs() < 0.5e-6);
+        // Of nylon 4-0 it is 82 nN·m², where it bends.
+        let source = Source {
+            name: "s.toml".into(),
+            text: BUILT_IN
+                .replace(numbers, "kind = \"nylon 4-0\"\n")
+                .replace("\"thread\", ", "\"thread\", \"thread-bending\", "),
+        };
+        let bends = check(&source, &source.parse().unwrap()).unwrap().thread.unwrap();
+        assert!(thread.bending_n_m2 <= 0.0 && (bends.bending_n_m2 / 82e-9 - 1.0).abs() < 0.01);
         for (other, what) in [
             (
                 "kind = \"nylon 3-0\"\naxial_n = 76\n",

@@ -258,24 +258,34 @@ impl Keys<'_> {
             penalty_n_per_m: self.own(&key::THREAD_PENALTY, thread.penalty_n_per_m.as_ref())? as f32,
             friction: self.own(&key::THREAD_FRICTION, thread.friction.as_ref())? as f32,
             knot_hold_n: self.own(&key::KNOT_HOLD, thread.knot_hold_n.as_ref())? as f32,
-            bending_n_m2: (self.own(&key::BENDING, thread.bending_nn_m2.as_ref())? * 1e-9) as f32,
+            bending_n_m2: (suture.bending_nn_m2 * 1e-9) as f32,
         }))
     }
 
-    /// Stiffness and mass, by a suture's name or by themselves.
+    /// Stiffness and mass, by a suture's name or by themselves; a bending stiffness that is given counts before that of the name.
     fn suture(&self, thread: &file::Thread) -> Result<Suture, Error> {
         let (axial, mass) = (&thread.axial_n, &thread.mass_mg_per_m);
+        let bending = thread.bending_nn_m2.as_ref();
+        let own = self.own(&key::BENDING, bending)?;
         match &thread.kind {
-            Some(name) if axial.is_none() && mass.is_none() => suture::named(name.get_ref()).ok_or_else(|| {
-                let what = format!("thread.kind = \"{}\": right is {}", name.get_ref(), suture::names());
-                self.source.fault(name.span(), what)
-            }),
+            Some(name) if axial.is_none() && mass.is_none() => {
+                let named = suture::named(name.get_ref()).ok_or_else(|| {
+                    let what = format!("thread.kind = \"{}\": right is {}", name.get_ref(), suture::names());
+                    self.source.fault(name.span(), what)
+                })?;
+                let silent = bending.is_none() && self.effects.has(Effect::ThreadBending);
+                Ok(Suture {
+                    bending_nn_m2: if silent { named.bending_nn_m2 } else { own },
+                    ..named
+                })
+            }
             Some(name) => Err(self
                 .source
                 .fault(name.span(), "[thread] has either kind, or axial_n and mass_mg_per_m")),
             None => Ok(Suture {
                 axial_n: self.own(&key::AXIAL, axial.as_ref())?,
                 mass_mg_per_m: self.own(&key::MASS, mass.as_ref())?,
+                bending_nn_m2: own,
             }),
         }
     }
