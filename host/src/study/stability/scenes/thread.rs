@@ -20,10 +20,10 @@ const AWAY: Vec3 = Vec3::new(-0.6, 0.0, 0.8);
 /// What is slack again, from where the thread was taut [m].
 const SLACK: f32 = 0.04;
 /// Way beyond taut that ends a stitch [m].
-const TAUT: f32 = 2e-3;
+const TAUT: f32 = 5e-3;
 /// How fast the edges of the wound are drawn apart [m/s], and for how long that takes and lasts [ticks].
 const APART: f32 = 0.02;
-const OPENING: [u32; 2] = [100, 400];
+const OPENING: [u32; 2] = [150, 350];
 
 /// All of them.
 pub(super) fn cases() -> Vec<Case> {
@@ -58,6 +58,7 @@ pub(super) fn cases() -> Vec<Case> {
 }
 
 /// A thread with its stitches behind it, in the hand.
+#[derive(Clone, Copy, Debug, Default)]
 struct Sewn {
     /// Where the last stitch comes out of the skin [m].
     out: Vec3,
@@ -76,31 +77,40 @@ impl Sewn {
 
 /// Sews every stitch of a scene; all but the last are drawn taut and left slack.
 fn sew(run: &mut Run<'_>, scene: &Scene) -> Result<Sewn, Unfinished> {
-    let (Some(stitch), Some(thread)) = (scene.stitch, scene.thread) else {
+    let Some(stitch) = scene.stitch else {
         return Err(Unfinished::Built("there is no stitch to sew"));
     };
     let circle = Circle::of(scene);
-    let [left, _] = stitch.a_m;
-    let mut sewn = Sewn {
-        out: Vec3::new(left, stitch.a_m[1], 0.0),
-        length: thread.link_m * f32::from(thread.nodes - 1),
-        grasp: Vec3::zeros(),
-    };
+    let mut sewn = Sewn::default();
     for (n, row) in (1..=stitch.count).zip(stitch.rows_m()) {
         let beside = circle.beside(row);
         if n > 1 {
             run.turn_to(beside.at(STITCH[0]))?;
         }
         run.turn(&beside, STITCH, DRIVEN)?;
-        let (into, out) = (Vec3::new(left, row, 0.0), Vec3::new(-left, row, 0.0));
-        sewn.length -= (into - sewn.out).norm() + (out - into).norm();
-        (sewn.out, sewn.grasp) = (out, run.grasp());
+        sewn = behind(run, scene);
         run.go(sewn.at(-SLACK), 1.0)?;
         if n < stitch.count {
             tighten(run, &sewn)?;
         }
     }
     Ok(sewn)
+}
+
+/// The thread as it runs now, straight from its tail through every puncture.
+fn behind(run: &Run<'_>, scene: &Scene) -> Sewn {
+    let controller = run.controller();
+    let tail = controller.thread().last().map(|(tail, _)| tail);
+    let places: Vec<_> = controller.eyelets().map(|(_, place)| place).chain(tail).collect();
+    let path: f32 = places.windows(2).map(|leg| (leg[1] - leg[0]).norm()).sum();
+    let whole = scene
+        .thread
+        .map_or(0.0, |thread| thread.link_m * f32::from(thread.nodes - 1));
+    Sewn {
+        out: places.first().copied().unwrap_or_default(),
+        length: whole - path,
+        grasp: run.grasp(),
+    }
 }
 
 /// Draws the thread taut, for long enough that it counts as that, and lets it go slack, likewise.
