@@ -212,8 +212,8 @@ mod tests {
         check(&Attempt::new(Setting::DEFAULT, Level::best(), &interrupted));
     }
 
-    /// The thread runs through a and d of every stitch but for its tail's, and springs in series bear the way of the hand beyond taut: the coupling,
-    /// the thread EA/l, and skin of more than 100 N/m on either side.
+    /// The thread runs through a and d of every stitch but for its tail's. Drawn 10 mm beyond taut it bears a hundred times its weight, and no more
+    /// than the coupling with the hand, stretched by all of that.
     #[test]
     fn every_stitch_holds_the_thread_that_is_drawn() {
         default(|attempt| {
@@ -227,19 +227,16 @@ mod tests {
                 let controller = run.controller();
                 assert_eq!(controller.eyelets().count(), punctures);
                 let thread = scene.0.thread.unwrap();
-                let compliances = [
-                    1.0 / scene.0.contact.coupling_n_per_m,
-                    thread.link_m * f32::from(thread.nodes - 1) / thread.axial_n,
-                    2.0 / 100.0,
-                ];
-                let least = 10e-3 / compliances.iter().sum::<f32>();
+                let weight = thread.mass_kg_per_m * thread.link_m * f32::from(thread.nodes - 1) * 9.81;
+                let most = scene.0.contact.coupling_n_per_m * 10e-3;
                 let pull = controller.pull().tension;
-                assert!(pull > least && pull < 8.0, "{pull} N, {least} N");
+                assert!(pull > 100.0 * weight && pull < most, "{pull} N, {weight} N, {most} N");
             }
         });
     }
 
-    /// The load comes to what the knot holds, and no further than it grows by in a tick: EA/l of the stitch times the way of both edges.
+    /// The load comes to what the knot holds, as closely as the thread's own iterations do, and no further than it grows by in a tick: EA/l of the
+    /// stitch times the way of both edges.
     #[test]
     fn the_knot_bears_20_n_and_slips() {
         default(|attempt| {
@@ -247,7 +244,7 @@ mod tests {
             overloaded(attempt, |run| loads.push(run.controller().pull().stitch)).unwrap();
             let most = loads.iter().copied().fold(0.0, f32::max);
             let growth = 76.0 / 12e-3 * 2.0 * APART * 1e-3;
-            assert!((20.0..20.0 + growth).contains(&most), "{most} N");
+            assert!((19.98..20.0 + growth).contains(&most), "{most} N");
         });
     }
 }
