@@ -52,11 +52,23 @@ fn a_short_run_ends_with_json_and_files() {
         Some("tick,stage,x_m,y_m,z_m,simulated_n,rendered_n,thread_n,gap_mm")
     );
     assert_eq!(csv.lines().count(), 51);
-    let names: Vec<_> = std::fs::read_dir(folder.path().join("o"))
+    let mut names: Vec<_> = std::fs::read_dir(folder.path().join("o"))
         .unwrap()
         .map(|entry| entry.unwrap().file_name())
         .collect();
-    assert_eq!(names.len(), 7, "{names:?}");
+    names.sort();
+    let expected = [
+        "force.csv",
+        "force.png",
+        "motion.csv",
+        "punctures.csv",
+        "scene.toml",
+        "score.json",
+        "score.md",
+        "wound.csv",
+        "wound.png",
+    ];
+    assert_eq!(names, expected);
     assert!(report.get("auto").is_none());
 }
 
