@@ -47,11 +47,8 @@ fn a_short_run_ends_with_json_and_files() {
     assert_eq!(report["state_hash"].as_str().unwrap().len(), 16);
     assert_eq!(report["link"]["errors"], 0);
     let csv = std::fs::read_to_string(folder.path().join("o/force.csv")).unwrap();
-    assert_eq!(
-        csv.lines().next(),
-        Some("tick,stage,x_m,y_m,z_m,simulated_n,rendered_n,thread_n,gap_mm")
-    );
-    assert_eq!(csv.lines().count(), 51);
+    let head = "tick,stage,x_m,y_m,z_m,simulated_n,rendered_n,thread_n,gap_mm";
+    assert_eq!((csv.lines().next(), csv.lines().count()), (Some(head), 51));
     let mut names: Vec<_> = std::fs::read_dir(folder.path().join("o"))
         .unwrap()
         .map(|entry| entry.unwrap().file_name())
