@@ -160,8 +160,8 @@ pub(super) fn tear<const N: usize>(params: &Params, state: &mut State, body: &Bo
     let (Some(tear), Some(run)) = (&params.tear, &state.thread) else {
         return;
     };
-    let turns = run.course.count + 1;
-    let turn = state.tick as usize % turns;
+    let turns = run.course.count.min(PUNCTURES) + 1;
+    let turn = (state.tick as usize).checked_rem(turns).unwrap_or_default();
     let (point, pull) = (point(&mut state.sewn, &mut state.needle, turn), run.load.get(turn));
     if let (Some(point), Some(pull)) = (point, pull) {
         state.sewn.torn += tear::advance(tear, point, (*pull, turns as f32 * DT), body);
