@@ -200,7 +200,7 @@ pub const TABLE: [Row; 15] = [
     },
     Row {
         effect: Effect::Thread,
-        simulates: "the suture thread, from the needle through site d to site a",
+        simulates: "the suture thread, from the needle through every puncture that it has left to the tail",
         parts: &[Part::Thread, Part::Deform, Part::Force],
         state: "places and velocities of its nodes, their elimination, the points that hold it in earlier stitches",
         bytes: size_of::<thread::State>() + size_of::<thread::Work>() + (1 + PUNCTURES - D) * size_of::<Point>()

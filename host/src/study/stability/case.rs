@@ -69,6 +69,17 @@ impl<'a> Attempt<'a> {
 }
 
 impl Case {
+    /// A case that ends at the undisturbed rest.
+    #[must_use]
+    pub fn new(name: &str, what: &str, run: fn(&Attempt<'_>) -> Result<Trace, Unfinished>) -> Self {
+        Self {
+            name: name.to_owned(),
+            what: what.to_owned(),
+            equilibrium: None,
+            run: Box::new(run),
+        }
+    }
+
     /// Whether `name` is the case's own or its family's.
     #[must_use]
     pub fn is_called(&self, name: &str) -> bool {

@@ -27,29 +27,23 @@ const OPENING: [u32; 2] = [150, 350];
 
 /// All of them.
 pub(super) fn cases() -> Vec<Case> {
-    let case = |name: &str, what: &str, run: fn(&Attempt<'_>) -> Result<Trace, Unfinished>| Case {
-        name: name.to_owned(),
-        what: what.to_owned(),
-        equilibrium: None,
-        run: Box::new(run),
-    };
     vec![
-        case(
+        Case::new(
             "thread-taut",
             "the thread goes taut at 1 m/s, is drawn 10 mm further and let go after half a second",
             |attempt| drawn(attempt, &sewn(attempt)?, [10e-3, 1.0]),
         ),
-        case(
+        Case::new(
             "thread-200-links",
             "a thread of 200 links through the punctures of three stitches goes taut at 1 m/s, is drawn 10 mm further and goes slack",
             |attempt| drawn(attempt, &long(attempt)?, [10e-3, 1.0]),
         ),
-        case(
+        Case::new(
             "edge-one-voxel",
             "the edges of the wound are undermined to a layer of one voxel, which the taut thread is drawn 10 mm further through and let go",
             |attempt| drawn(attempt, &undermined(attempt)?, [10e-3, 0.1]),
         ),
-        case(
+        Case::new(
             "knot-overloaded",
             "the edges of the wound are drawn apart until the knot of the stitch slips at 20 N, and let go half a second later",
             |attempt| overloaded(attempt, |_| ()),

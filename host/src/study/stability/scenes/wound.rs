@@ -11,19 +11,13 @@ use crate::study::stability::watch::Trace;
 
 /// All of them.
 pub(super) fn cases() -> Vec<Case> {
-    let case = |name: &str, what: &str, run: fn(&Attempt<'_>) -> Result<Trace, Unfinished>| Case {
-        name: name.to_owned(),
-        what: what.to_owned(),
-        equilibrium: None,
-        run: Box::new(run),
-    };
     vec![
-        case(
+        Case::new(
             "edges-crossed:thread",
             "the taut thread is drawn 25 mm further, which pulls the wound's edges through each other if nothing holds them",
             |attempt| drawn(attempt, &sewn(attempt)?, [25e-3, 0.1]),
         ),
-        case(
+        Case::new(
             "edges-crossed:tool",
             "a ball drags the left edge of the wound 12 mm over the right one and springs off",
             dragged,
